@@ -1,0 +1,26 @@
+# Debian 12 packages; why each one: docs/dependencies.md.
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(cppzmq REQUIRED CONFIG)
+find_package(Protobuf 3.21 REQUIRED)  # Debian ships no protobuf-config.cmake: module mode only
+find_package(OpenSSL 3.0 REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 2.1 REQUIRED)
+find_package(spdlog 1.10 REQUIRED)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
+
+# OpenCVConfig.cmake comes only with libopencv-dev (455 packages); the component packages have none.
+find_path(DEPTHFARM_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+foreach(component core imgproc imgcodecs)
+  find_library(DEPTHFARM_OPENCV_${component} opencv_${component} REQUIRED)
+  add_library(opencv_${component} UNKNOWN IMPORTED)
+  set_target_properties(opencv_${component} PROPERTIES IMPORTED_LOCATION ${DEPTHFARM_OPENCV_${component}}
+    INTERFACE_INCLUDE_DIRECTORIES ${DEPTHFARM_OPENCV_INCLUDE})
+endforeach()
+
+if(DEPTHFARM_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+  find_package(Boost 1.74 REQUIRED)  # Boost.Graph, header-only: the max-flow oracle
+  include(GoogleTest)
+endif()

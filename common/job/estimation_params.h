@@ -1,0 +1,53 @@
+#ifndef DEPTHFARM_COMMON_JOB_ESTIMATION_PARAMS_H_
+#define DEPTHFARM_COMMON_JOB_ESTIMATION_PARAMS_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+
+namespace depthfarm {
+
+// Any change that can change a depth map raises this number: jobs pin it, artifacts are named by it.
+inline constexpr std::uint32_t kAlgorithmVersion = 1;
+
+// How depth levels are spread over the n tasks of a frame (paper IV-A, Fig. 2).
+enum class Partition {
+  kContiguous,   // Fig. 2a: blocks of neighbouring levels
+  kInterleaved,  // Fig. 2b: level l belongs to block l mod n
+};
+
+// What a user may set for a job; the defaults are the paper's numbers where the paper gives one. 0 = choose ("auto").
+struct EstimationParams {
+  int segments = 0;                // per view; 0: one per 20 pixels (the paper's 100,000 at HD)
+  int levels = 0;                  // L; 0: at most 250, see ResolveJob
+  double z_near = 0;               // of the reference camera, the sequence's unit; 0: from the sequence
+  double z_far = 0;
+  double smoothing = 1.0;          // beta_0 of eq. (3) per 1/249 of the depth range, L1 in grey levels; 0..100
+  int matching_window = 3;         // side of W in eq. (4), pixels, odd, 1..15
+  double matching_offset = 30;     // K of eq. (5), grey levels summed over Y, Cb, Cr; > 0, <= 765
+  double snic_compactness = 5;     // m of SNIC (paper IV-C), > 0
+  int gop = 10;                    // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1 = I frames only
+  int p_threshold = 3;             // T_P of III-E, grey levels
+  int i_threshold = 1;             // T_I of III-E
+  int level_blocks = 0;            // n of IV-A; 0: from the job alone, see ResolveJob
+  Partition partition = Partition::kInterleaved;
+  int max_sweeps = 0;              // sweeps over the levels of a block; 0: until no move lowers the energy
+  int neighbours = 2;              // views matched against each view; the paper's two
+  int downscale = 1;               // 1, 2 or 4
+  std::vector<std::string> views;  // camera names; empty: every camera that has pictures
+  int first_frame = 0;             // frames [first_frame, end_frame)
+  int end_frame = -1;              // -1: to the end
+
+  // kInvalidArgument names the option, its value and its bounds.
+  [[nodiscard]] Status Validate() const;
+  bool operator==(const EstimationParams&) const = default;
+};
+
+// "default" or "paper" (the paper to the letter: 250 levels, n = 1); kInvalidArgument lists the names.
+[[nodiscard]] Result<EstimationParams> Preset(const std::string& name);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_JOB_ESTIMATION_PARAMS_H_

@@ -1,0 +1,68 @@
+#ifndef DEPTHFARM_COMMON_SEQUENCE_SEQUENCE_H_
+#define DEPTHFARM_COMMON_SEQUENCE_SEQUENCE_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/geometry/camera.h"
+
+namespace depthfarm {
+
+// How one picture file holds its samples.
+struct PictureFormat {
+  enum class Kind {
+    kImage,    // whatever the image library decodes: PNG, JPEG, PPM, TIFF
+    kYuv420,   // planar Y, Cb, Cr without a header, chroma of half width and height (rounded up)
+    kYuv400,   // a Y plane without a header
+  };
+  Kind kind = Kind::kImage;
+  int bits = 8;             // raw kinds: 8, or 9..16 stored little-endian in two bytes
+  bool full_range = false;  // raw kinds: false = 16-235 / 16-240
+  bool bt709 = false;       // raw kinds: false = BT.601
+  bool operator==(const PictureFormat&) const = default;
+};
+
+// One camera of a sequence and where its pictures are. Position f of every list is frame f.
+struct SequenceCamera {
+  Camera camera;
+  PictureFormat format;
+  std::vector<std::string> images;    // absolute paths; empty = calibrated but without pictures: not estimated
+  std::vector<std::string> masks;     // absolute paths, optional
+  std::vector<std::string> depth;     // absolute paths of supplied (estimated) depth, optional
+  std::optional<double> z_near;       // own range, the sequence's unit of length
+  std::optional<double> z_far;
+};
+
+// Depth known for some views: rendered scenes and sets with measured disparity.
+struct GroundTruthView {
+  enum class Encoding {
+    kDepthPfm,      // PFM float, z along the view's own axis; 0 = unknown
+    kDisparityPfm,  // PFM float, z = scale / (value + offset)
+    kDisparityPng,  // 8- or 16-bit grey, z = scale / (value / divisor), 0 = unknown
+  };
+  std::string view;
+  Encoding encoding = Encoding::kDepthPfm;
+  double scale = 1;
+  double offset = 0;
+  double divisor = 1;
+  std::vector<std::string> depth;      // absolute path per frame
+  std::vector<std::string> zones;      // absolute path per frame, 8-bit PNG of Zone values; may be empty
+  std::string nonoccluded_mask;        // absolute path, 255 = counted; may be empty (cones, venus: nonocc.png)
+};
+
+// A calibrated multi-camera sequence as design section 2 describes it.
+struct Sequence {
+  std::string name;
+  std::string file;                     // the JSON file it came from, absolute
+  std::optional<double> z_near;
+  std::optional<double> z_far;
+  double frame_rate = 0;                // 0 = unknown
+  std::string reference;                // camera name, empty = the centre camera
+  std::vector<SequenceCamera> cameras;
+  std::vector<GroundTruthView> ground_truth;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_SEQUENCE_SEQUENCE_H_
