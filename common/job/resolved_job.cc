@@ -1,0 +1,170 @@
+#include "common/job/resolved_job.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <optional>
+
+#include "common/geometry/neighbours.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr int kPixelsPerSegment = 20;
+constexpr int kMaxAutoLevels = 250;
+constexpr double kLevelPixelsNearest = 0.25;
+constexpr double kLevelPixelsWidest = 0.5;
+constexpr long long kSmallProblem = 2'000'000;   // segments x levels of all views: below, splitting costs more than it saves
+constexpr long long kLargeProblem = 20'000'000;
+
+Result<std::vector<const SequenceCamera*>> SelectViews(const Sequence& sequence, const EstimationParams& params) {
+  std::vector<const SequenceCamera*> selected;
+  for (const SequenceCamera& camera : sequence.cameras) {
+    const bool named = std::find(params.views.begin(), params.views.end(), camera.camera.name) != params.views.end();
+    if (named && camera.images.empty()) {
+      return InvalidArgument("camera '" + camera.camera.name + "' is asked for by views but has no pictures");
+    }
+    if (params.views.empty() ? !camera.images.empty() : named) selected.push_back(&camera);
+  }
+  for (const std::string& name : params.views) {
+    const bool known = std::any_of(sequence.cameras.begin(), sequence.cameras.end(),
+                                   [&](const SequenceCamera& camera) { return camera.camera.name == name; });
+    if (!known) return InvalidArgument("views names '" + name + "', which is no camera of the sequence");
+  }
+  if (selected.size() < 2) {
+    return InvalidArgument("depth needs at least two views with pictures, there are " + std::to_string(selected.size()));
+  }
+  return selected;
+}
+
+// The camera whose image plane the level planes are parallel to; it may be one without pictures.
+Result<const SequenceCamera*> ReferenceCamera(const Sequence& sequence, const std::vector<const SequenceCamera*>& views) {
+  if (!sequence.reference.empty()) {
+    for (const SequenceCamera& camera : sequence.cameras) {
+      if (camera.camera.name == sequence.reference) return &camera;
+    }
+    return InvalidArgument("reference is '" + sequence.reference + "', which is no camera of the sequence");
+  }
+  std::vector<Camera> cameras;
+  for (const SequenceCamera* view : views) cameras.push_back(view->camera);
+  return views[static_cast<std::size_t>(CentreCamera(cameras))];
+}
+
+Status ResolveRange(const Sequence& sequence, const SequenceCamera& reference, EstimationParams& params) {
+  const auto choose = [](double asked, std::optional<double> own, std::optional<double> common) {
+    if (asked > 0) return asked;
+    return own ? *own : common.value_or(0);
+  };
+  params.z_near = choose(params.z_near, reference.z_near, sequence.z_near);
+  params.z_far = choose(params.z_far, reference.z_far, sequence.z_far);
+  if (params.z_near <= 0 || params.z_far <= 0) {
+    return InvalidArgument("the sequence gives no depth range: state zNear and zFar, or use --z-near and --z-far");
+  }
+  return {};
+}
+
+Result<int> AutoLevels(const ResolvedJob& job, const DepthLevels& ends) {
+  std::vector<double> nearest;
+  double widest = 0;
+  for (const JobView& view : job.views) {
+    for (std::size_t i = 0; i < view.neighbours.size(); ++i) {
+      const Camera& neighbour = job.views[static_cast<std::size_t>(view.neighbours[i])].camera;
+      const double range = DisparityRange(view.camera, neighbour, ends);
+      if (i == 0) nearest.push_back(range);
+      widest = std::max(widest, range);
+    }
+  }
+  std::sort(nearest.begin(), nearest.end());
+  const double median = nearest[nearest.size() / 2];
+  const double steps = std::ceil(std::max(median / kLevelPixelsNearest, widest / kLevelPixelsWidest));
+  return static_cast<int>(std::clamp(steps + 1, 2.0, static_cast<double>(kMaxAutoLevels)));
+}
+
+void ResolveBlocks(ResolvedJob& job) {
+  if (job.params.level_blocks > 0) {
+    job.level_blocks_i = job.level_blocks_p = job.params.level_blocks;
+    return;
+  }
+  long long entries = 0;
+  for (const JobView& view : job.views) entries += static_cast<long long>(view.segments) * job.params.levels;
+  job.level_blocks_i = entries < kSmallProblem ? 1 : std::clamp(job.params.levels / 8, 1, 8);
+  job.level_blocks_p = entries < kLargeProblem ? 1 : std::min(2, job.level_blocks_i);
+  job.params.level_blocks = job.level_blocks_i;
+}
+
+Status ResolveFrames(const std::vector<const SequenceCamera*>& views, ResolvedJob& job) {
+  int available = static_cast<int>(views.front()->images.size());
+  for (const SequenceCamera* view : views) {
+    if (static_cast<int>(view->images.size()) != available) {
+      return InvalidArgument("camera '" + view->camera.name + "' has " + std::to_string(view->images.size()) +
+                             " pictures, camera '" + views.front()->camera.name + "' has " + std::to_string(available));
+    }
+  }
+  EstimationParams& params = job.params;
+  if (params.end_frame == -1) params.end_frame = available;
+  if (params.first_frame >= available || params.end_frame > available) {
+    return InvalidArgument("frames " + std::to_string(params.first_frame) + ":" + std::to_string(params.end_frame) +
+                           " are asked for, the sequence has 0:" + std::to_string(available));
+  }
+  job.num_frames = params.end_frame - params.first_frame;
+  return {};
+}
+
+}  // namespace
+
+DepthLevels ResolvedJob::Levels() const {
+  Result<DepthLevels> levels = DepthLevels::Create(reference, params.z_near, params.z_far, params.levels);
+  if (!levels.ok()) std::abort();  // ResolveJob and the wire check the range before anybody can ask
+  return std::move(levels).value();
+}
+
+Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams& params) {
+  DEPTHFARM_RETURN_IF_ERROR(params.Validate());
+  ResolvedJob job;
+  job.params = params;
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<const SequenceCamera*> selected, SelectViews(sequence, params));
+  DEPTHFARM_ASSIGN_OR_RETURN(const SequenceCamera* reference, ReferenceCamera(sequence, selected));
+  job.reference = Downscaled(reference->camera, params.downscale);
+  DEPTHFARM_RETURN_IF_ERROR(ResolveRange(sequence, *reference, job.params));
+  DEPTHFARM_RETURN_IF_ERROR(ResolveFrames(selected, job));
+
+  std::vector<Camera> cameras;
+  for (const SequenceCamera* view : selected) {
+    DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(view->camera));
+    JobView job_view;
+    job_view.camera = Downscaled(view->camera, params.downscale);
+    job_view.source_width = view->camera.width;
+    job_view.source_height = view->camera.height;
+    job_view.format = view->format;
+    DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(job_view.camera));
+    const int pixels = job_view.camera.width * job_view.camera.height;
+    job_view.segments = std::min(params.segments > 0 ? params.segments : std::max(1, pixels / kPixelsPerSegment), pixels);
+    cameras.push_back(job_view.camera);
+    job.views.push_back(job_view);
+  }
+  const int ends_only = 2;
+  DEPTHFARM_ASSIGN_OR_RETURN(const DepthLevels ends,
+                             DepthLevels::Create(job.reference, job.params.z_near, job.params.z_far, ends_only));
+  const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, ends, params.neighbours);
+  for (std::size_t i = 0; i < job.views.size(); ++i) {
+    DEPTHFARM_ASSIGN_OR_RETURN(job.views[i].own_range, OwnDepthRange(cameras[i], ends));
+    job.views[i].neighbours = neighbours[i];
+    if (neighbours[i].empty()) {
+      return InvalidArgument("camera '" + cameras[i].name +
+                             "' has no neighbour that sees the same part of the scene from another place: leave it out "
+                             "with --views, or check its calibration");
+    }
+  }
+  if (params.levels == 0) {
+    DEPTHFARM_ASSIGN_OR_RETURN(job.params.levels, AutoLevels(job, ends));
+  }
+  if (job.params.level_blocks > job.params.levels) {
+    return InvalidArgument("level-blocks is " + std::to_string(job.params.level_blocks) +
+                           ", expected at most the number of levels, " + std::to_string(job.params.levels));
+  }
+  ResolveBlocks(job);
+  return job;
+}
+
+}  // namespace depthfarm

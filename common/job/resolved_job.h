@@ -1,0 +1,58 @@
+#ifndef DEPTHFARM_COMMON_JOB_RESOLVED_JOB_H_
+#define DEPTHFARM_COMMON_JOB_RESOLVED_JOB_H_
+
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/geometry/camera.h"
+#include "common/geometry/depth_levels.h"
+#include "common/job/estimation_params.h"
+#include "common/sequence/sequence.h"
+
+namespace depthfarm {
+
+// One view for which a job estimates depth.
+struct JobView {
+  Camera camera;                 // of the depth map: downscaled as the job asks
+  int source_width = 0;          // of the picture files, pixels
+  int source_height = 0;
+  PictureFormat format;
+  int segments = 0;              // requested; the seed grid comes as near as it can
+  DepthRange own_range;          // zNear, zFar of its depth files, along its own axis
+  std::vector<int> neighbours;   // indices into ResolvedJob::views, nearest first; D of eq. (1)
+};
+
+// A job with nothing left open: every "auto" is a number, so that all tasks of the job, wherever they run, do the same.
+// A function of the sequence and the parameters alone, never of the farm.
+struct ResolvedJob {
+  EstimationParams params;       // levels, z_near, z_far, level_blocks (of I frames) filled in
+  Camera reference;              // the centre camera whose image plane the levels are parallel to
+  std::vector<JobView> views;
+  int num_frames = 0;            // frames of the job, 0 .. num_frames - 1; sequence frame = params.first_frame + frame
+  int level_blocks_i = 1;        // n of IV-A for I frames
+  int level_blocks_p = 1;        // n for P frames: few nodes are left, so fewer tasks pay
+
+  [[nodiscard]] int num_views() const { return static_cast<int>(views.size()); }
+  [[nodiscard]] bool IsIFrame(int frame) const { return frame % params.gop == 0; }
+  [[nodiscard]] int IFrameOf(int frame) const { return frame - frame % params.gop; }
+  [[nodiscard]] int NumBlocks(int frame) const { return IsIFrame(frame) ? level_blocks_i : level_blocks_p; }
+  // The level planes; valid because ResolveJob checked the range.
+  [[nodiscard]] DepthLevels Levels() const;
+};
+
+// Chooses what the parameters leave open:
+//   reference  the sequence's, else the centre camera of the views;
+//   z range    the parameters', else the reference camera's own, else the sequence's;
+//   segments   one per 20 pixels of a view (paper III-B: "segments of size of 20 samples or less");
+//   levels     at most 250, such that one is about 0.25 px at the median nearest neighbour and at most 0.5 px at the
+//              widest baseline used;
+//   n          1 for small problems, else up to 8 (I frames; interleaving saves work even on one core) or 2 (P frames).
+// Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that
+// cannot see the levels or has no neighbour, no depth range, frames outside the sequence, more blocks than levels,
+// smoothing that would overflow 32-bit capacities.
+[[nodiscard]] Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams& params);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_JOB_RESOLVED_JOB_H_

@@ -1,0 +1,38 @@
+#include "common/job/task.h"
+
+namespace depthfarm {
+
+std::string TaskKindName(TaskKind kind) {
+  switch (kind) {
+    case TaskKind::kPrepare:
+      return "prepare";
+    case TaskKind::kAnalyse:
+      return "analyse";
+    case TaskKind::kEstimate:
+      return "estimate";
+    case TaskKind::kMerge:
+      return "merge";
+    case TaskKind::kEmit:
+      return "emit";
+    case TaskKind::kCommit:
+      return "commit";
+    case TaskKind::kManifest:
+      return "manifest";
+    case TaskKind::kCleanup:
+      return "cleanup";
+  }
+  return "unknown";
+}
+
+std::string TaskName(const TaskId& id) {
+  std::string name = "job " + std::to_string(id.job.value());
+  const bool of_job = id.kind == TaskKind::kPrepare || id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
+  if (!of_job) name += " frame " + std::to_string(id.frame);
+  name += " " + TaskKindName(id.kind);
+  if (id.kind == TaskKind::kAnalyse) name += " view " + std::to_string(id.index);
+  if (id.kind == TaskKind::kEstimate) name += " block " + std::to_string(id.index);
+  if (id.kind == TaskKind::kMerge) name += " round " + std::to_string(id.index) + " pair " + std::to_string(id.pair);
+  return name;
+}
+
+}  // namespace depthfarm
