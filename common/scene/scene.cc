@@ -176,7 +176,7 @@ class Builder {
         "metal", {.base = Rgb(52, 54, 58), .accent = Rgb(82, 84, 88), .contrast = 0.16, .coarsest_m = 0.08});
     const int shade = AddMaterial(
         "shade", {.base = Rgb(220, 204, 160), .accent = Rgb(232, 222, 190), .contrast = 0.12, .coarsest_m = 0.08});
-    const Vector3d foot(Draw("lamp", 0, -1.0, -0.92), kFloor, Draw("lamp", 1, 4.1, 4.25));
+    const Vector3d foot(Draw("lamp", 0, -0.84, -0.76), kFloor, Draw("lamp", 1, 4.1, 4.25));
     const Vector3d top = foot + Vector3d(0, -2.1, 0);
     AddRod(foot, top, 0.0095, metal);
     Add(Shape::Kind::kCylinder, Zone::kCurved, metal, foot + Vector3d(0, -0.02, 0), Vector3d(0.15, 0.02, 0.15));
