@@ -105,7 +105,7 @@ class Builder {
     const int plain = AddMaterial("panel", {.pattern = Pattern::kPlain, .base = Rgb(176, 178, 172), .contrast = 0});
     const int frame = AddMaterial("panel frame", {.base = Rgb(56, 50, 46), .accent = Rgb(74, 66, 58), .contrast = 0.2});
     const Vector3d middle(Draw("panel", 0, -0.4, -0.2), Draw("panel", 1, -0.62, -0.52), kWall - 0.02);
-    const Vector3d half(Draw("panel", 2, 1.16, 1.22), Draw("panel", 3, 0.84, 0.88), 0.02);
+    const Vector3d half(Draw("panel", 2, 1.16, 1.2), Draw("panel", 3, 0.82, 0.86), 0.02);
     Add(Shape::Kind::kBox, Zone::kPanel, plain, middle, half);
     constexpr double kBar = 0.03;
     for (const double side : {-1.0, 1.0}) {
