@@ -37,6 +37,8 @@ void MakeRandomMaps(Random& random, int nodes_per_view, bool interleaved, Random
       const int other = node < nodes_per_view ? nodes_per_view : 0;
       const auto target = static_cast<NodeIndex>(other + random.Int(0, nodes_per_view - 1));
       problem.matches[map].push_back({target, static_cast<std::uint16_t>(random.Chance(30) ? 0 : random.Int(1, 270))});
+      if (map == 1 && is_unchanged[static_cast<std::size_t>(node)])
+        problem.matches[1].back() = problem.matches[0][static_cast<std::size_t>(node)];
       const bool both_change = !is_unchanged[static_cast<std::size_t>(node)] && !is_unchanged[target];
       if (both_change && random.Chance(60))
         problem.labels[map][target] = problem.labels[map][static_cast<std::size_t>(node)];
