@@ -209,7 +209,7 @@ Result<std::string> ArtifactStore::ReadAndVerify(const ArtifactInfo& info) {
   }
   // An entry that was evicted or replaced while its file was read is no damage.
   if (!current) return NoSuchArtifact(info.key);
-  Drop(info.key);
+  Evict(info.key);
   if (!bytes.ok()) return bytes.status();
   return Corrupt("artifact " + Hex(info.key) + ": its file does not match its digest; dropped");
 }
@@ -258,6 +258,11 @@ void ArtifactStore::Release(const std::vector<ArtifactKey>& keys) {
   }
 }
 
+void ArtifactStore::Drop(const ArtifactKey& key) {
+  const std::scoped_lock lock(mutex_);
+  if (entries_.contains(key)) Evict(key);
+}
+
 std::vector<ArtifactKey> ArtifactStore::TakeDropped() {
   const std::scoped_lock lock(mutex_);
   return std::exchange(dropped_, {});
@@ -282,7 +287,7 @@ void ArtifactStore::Erase(const ArtifactKey& key) {
   entries_.erase(found);
 }
 
-void ArtifactStore::Drop(const ArtifactKey& key) {
+void ArtifactStore::Evict(const ArtifactKey& key) {
   Erase(key);
   dropped_.push_back(key);
 }
@@ -299,7 +304,7 @@ Status ArtifactStore::MakeRoom(std::uint64_t needed) {
                          " bytes in the store of " + std::to_string(max_bytes_) +
                          " belong to running tasks: raise --cache-size");
     }
-    Drop(*victim);
+    Evict(*victim);
   }
   return {};
 }

@@ -81,6 +81,8 @@ class ArtifactStore {
   [[nodiscard]] std::uint64_t total_bytes() const;
 
   [[nodiscard]] ArtifactPins Pin(std::vector<ArtifactKey> keys);
+  // Removes an artifact that turned out to be useless, and reports it as dropped.
+  void Drop(const ArtifactKey& key);
   // No task will ask for these any more: they are evicted before all others.
   void Release(const std::vector<ArtifactKey>& keys);
 
@@ -108,7 +110,7 @@ class ArtifactStore {
   void Insert(const ArtifactInfo& info, bool verified);
   void Touch(Entry& entry);
   void Erase(const ArtifactKey& key);
-  void Drop(const ArtifactKey& key);
+  void Evict(const ArtifactKey& key);
   // Evicts until `needed` more bytes fit.
   [[nodiscard]] Status MakeRoom(std::uint64_t needed);
   [[nodiscard]] std::optional<ArtifactKey> NextVictim() const;

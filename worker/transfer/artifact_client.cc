@@ -124,7 +124,8 @@ Result<ClientChannel*> ArtifactClient::Connect(const ArtifactLocation& location)
   if (peers_.size() >= kMaxPeers) {
     peers_.erase(std::ranges::min_element(peers_, {}, [](const auto& peer) { return peer.second.last_use; }));
   }
-  ClientOptions options{.curve_server_public_key = location.public_key};
+  ClientOptions options;
+  options.curve_server_public_key = location.public_key;
   options.linger = std::chrono::milliseconds(0);
   // An answer is one chunk and a few dozen bytes around it.
   options.max_message_bytes = 2 * static_cast<std::int64_t>(options_.chunk_bytes) + 4096;
