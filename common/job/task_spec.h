@@ -1,0 +1,97 @@
+#ifndef DEPTHFARM_COMMON_JOB_TASK_SPEC_H_
+#define DEPTHFARM_COMMON_JOB_TASK_SPEC_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/job/resolved_job.h"
+#include "common/job/task.h"
+
+namespace depthfarm {
+
+// A SHA-256 of bytes (content of an artifact, of a picture file, of a depth file).
+using ContentDigest = std::array<std::uint8_t, 32>;
+
+// What an input of a task is for. Inputs of a task are ordered by role, then by view.
+enum class InputRole : std::uint8_t {
+  kAnalysis,          // of this frame, one per view
+  kPreviousAnalysis,  // of frame - 1, one per view (P frames)
+  kPreviousLabels,    // label field of frame - 1
+  kIAnalysis,         // of the GOP's I frame, one per view (P frames)
+  kILabels,           // label field of the GOP's I frame
+  kLabels,            // Merge: the two partial fields, first and second; Emit: the final one
+};
+
+// Where an artifact can be fetched.
+struct ArtifactLocation {
+  std::string endpoint;    // ZeroMQ endpoint of a worker's artifact server
+  std::string public_key;  // its CURVE public key, Z85; empty on ipc
+  bool operator==(const ArtifactLocation&) const = default;
+};
+
+// An artifact that a task made or a worker holds.
+struct ArtifactInfo {
+  ArtifactKey key{};
+  std::uint64_t stored_bytes = 0;
+  ContentDigest content_digest{};
+  bool operator==(const ArtifactInfo&) const = default;
+};
+
+struct TaskInput {
+  ArtifactInfo artifact;  // a fetch must yield exactly these bytes
+  InputRole role = InputRole::kAnalysis;
+  int view = 0;  // of the analysis roles
+  std::vector<ArtifactLocation> locations;
+  bool operator==(const TaskInput&) const = default;
+};
+
+// One depth file: written by Emit, renamed into place by Commit.
+struct OutputFile {
+  std::string path;  // relative to DIR/depth: "cam0/0000.png"
+  ContentDigest sha256{};
+  std::uint64_t bytes = 0;
+  bool operator==(const OutputFile&) const = default;
+};
+
+// All that a worker needs for a task besides its JobConfig.
+struct TaskSpec {
+  TaskId id;
+  std::optional<ArtifactKey> output_key;  // Estimate, Merge
+  std::vector<TaskInput> inputs;
+  std::string picture;                         // Analyse: absolute path
+  std::string staging;                         // Emit, Commit: folder below DIR/.depthfarm-staging
+  std::vector<OutputFile> files;               // Commit: of the frame; Manifest: of all frames, by frame, then view
+  std::vector<ContentDigest> picture_digests;  // Manifest: of each picture, by frame, then view
+  bool operator==(const TaskSpec&) const = default;
+};
+
+// What a task used and found.
+struct TaskStats {
+  double wall_seconds = 0;
+  double cpu_seconds = 0;               // user + system of the computing thread
+  std::uint64_t peak_memory_bytes = 0;  // of the process so far
+  double fetch_seconds = 0;             // waiting for inputs
+  std::uint64_t fetched_bytes = 0;      // from other workers
+  std::uint32_t sweeps = 0;             // Estimate
+  std::int64_t energy = 0;              // Estimate, Merge: E of eq. (1), energy units
+  std::uint32_t nodes = 0;              // Estimate: segments with a node (not unchanged)
+  std::uint32_t segments = 0;           // Analyse: actual; Estimate: of all views
+  bool reused = false;                  // the artifact was there already
+  bool operator==(const TaskStats&) const = default;
+};
+
+// What the tasks of a job have in common.
+struct JobConfig {
+  JobId job;
+  std::uint32_t algorithm_version = kAlgorithmVersion;
+  ResolvedJob resolved;
+  std::string output_dir;  // absolute, as the submitter sees it
+  std::string sequence_name;
+  std::string sequence_file;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_JOB_TASK_SPEC_H_

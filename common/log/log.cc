@@ -1,0 +1,112 @@
+#include "common/log/log.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+namespace depthfarm {
+namespace {
+
+spdlog::logger& Logger() {
+  static const std::shared_ptr<spdlog::logger> logger = [] {
+    auto made = std::make_shared<spdlog::logger>("depthfarm", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    made->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+    made->set_level(spdlog::level::info);
+    return made;
+  }();
+  return *logger;
+}
+
+bool NeedsQuotes(std::string_view value) {
+  return value.empty() || std::any_of(value.begin(), value.end(), [](char c) {
+           const auto byte = static_cast<unsigned char>(c);
+           return byte <= 0x20 || byte == 0x7f || c == '"' || c == '=' || c == '\\';
+         });
+}
+
+void AppendQuoted(std::string& line, std::string_view value) {
+  line += '"';
+  for (const char c : value) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      line += '\\';
+      line += c;
+    } else if (c == '\n') {
+      line += "\\n";
+    } else if (c == '\t') {
+      line += "\\t";
+    } else if (byte < 0x20 || byte == 0x7f) {
+      std::array<char, 8> code{};
+      std::snprintf(code.data(), code.size(), "\\x%02x", byte);
+      line += code.data();
+    } else {
+      line += c;
+    }
+  }
+  line += '"';
+}
+
+void Log(spdlog::level::level_enum level, std::string_view event, std::initializer_list<LogField> fields) {
+  if (!Logger().should_log(level)) return;
+  Logger().log(level, FormatLogLine(event, fields));
+}
+
+}  // namespace
+
+LogField::LogField(std::string_view name, double number) : key(name) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", number);
+  value = text.data();
+}
+
+std::string FormatLogLine(std::string_view event, std::initializer_list<LogField> fields) {
+  std::string line(event);
+  for (const LogField& field : fields) {
+    line += ' ';
+    line += field.key;
+    line += '=';
+    if (NeedsQuotes(field.value)) {
+      AppendQuoted(line, field.value);
+    } else {
+      line += field.value;
+    }
+  }
+  return line;
+}
+
+void LogDebug(std::string_view event, std::initializer_list<LogField> fields) {
+  Log(spdlog::level::debug, event, fields);
+}
+void LogInfo(std::string_view event, std::initializer_list<LogField> fields) {
+  Log(spdlog::level::info, event, fields);
+}
+void LogWarning(std::string_view event, std::initializer_list<LogField> fields) {
+  Log(spdlog::level::warn, event, fields);
+}
+void LogError(std::string_view event, std::initializer_list<LogField> fields) {
+  Log(spdlog::level::err, event, fields);
+}
+
+Status SetLogLevel(std::string_view level) {
+  constexpr std::array<std::pair<std::string_view, spdlog::level::level_enum>, 5> kLevels{{
+      {"debug", spdlog::level::debug},
+      {"info", spdlog::level::info},
+      {"warning", spdlog::level::warn},
+      {"error", spdlog::level::err},
+      {"off", spdlog::level::off},
+  }};
+  for (const auto& [name, value] : kLevels) {
+    if (name == level) {
+      Logger().set_level(value);
+      return {};
+    }
+  }
+  return InvalidArgument("log level is '" + std::string(level) + "', expected debug, info, warning, error or off");
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,20 @@
+#ifndef DEPTHFARM_COMMON_TRANSPORT_CONTEXT_STATE_H_
+#define DEPTHFARM_COMMON_TRANSPORT_CONTEXT_STATE_H_
+
+#include <memory>
+#include <zmq.hpp>
+
+#include "common/transport/authenticator.h"
+#include "common/transport/context.h"
+
+namespace depthfarm {
+
+// Internal to transport. The authenticator's thread ends before the context does.
+struct TransportContext::State {
+  zmq::context_t zmq{1};
+  std::unique_ptr<Authenticator> authenticator;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_TRANSPORT_CONTEXT_STATE_H_

@@ -1,0 +1,88 @@
+#include "common/transport/server_channel.h"
+
+#include <utility>
+
+#include "common/transport/context_state.h"
+#include "common/transport/endpoint.h"
+#include "common/transport/keys.h"
+#include "common/transport/socket.h"
+
+namespace depthfarm {
+
+struct ServerChannel::State {
+  zmq::socket_t socket;
+  std::string endpoint;
+};
+
+ServerChannel::ServerChannel() : state_(std::make_unique<State>()) {}
+ServerChannel::~ServerChannel() = default;
+
+Result<std::unique_ptr<ServerChannel>> ServerChannel::Bind(TransportContext& context, const std::string& endpoint,
+                                                           const ServerOptions& options) {
+  DEPTHFARM_RETURN_IF_ERROR(ParseEndpoint(endpoint).status());
+  const bool curve = !options.curve_secret_key.empty();
+  if (curve && !IsCurveKey(options.curve_secret_key)) return InvalidArgument("the server's secret key is no CURVE key");
+  if (curve && !context.state().authenticator)
+    return Internal("a CURVE server needs Authenticate first");  // else libzmq admits all
+  try {
+    std::unique_ptr<ServerChannel> channel(new ServerChannel);
+    zmq::socket_t& socket = channel->state_->socket;
+    socket = zmq::socket_t(context.state().zmq, zmq::socket_type::router);
+    SetCommonOptions(socket, options.max_message_bytes, options.linger);
+    socket.set(zmq::sockopt::router_mandatory, 1);
+    socket.set(zmq::sockopt::router_handover, 1);
+    if (curve) {
+      socket.set(zmq::sockopt::curve_server, 1);
+      socket.set(zmq::sockopt::curve_secretkey, options.curve_secret_key);
+      socket.set(zmq::sockopt::zap_domain, "depthfarm");
+    }
+    socket.bind(endpoint);
+    channel->state_->endpoint = socket.get(zmq::sockopt::last_endpoint);
+    return channel;
+  } catch (const zmq::error_t& error) {
+    return SocketFailure("listen on", endpoint, error);
+  }
+}
+
+const std::string& ServerChannel::endpoint() const { return state_->endpoint; }
+
+Result<std::optional<PeerMessage>> ServerChannel::Receive() {
+  zmq::socket_t& socket = state_->socket;
+  try {
+    for (;;) {
+      zmq::message_t peer;
+      if (!socket.recv(peer, zmq::recv_flags::dontwait)) return std::optional<PeerMessage>();
+      zmq::message_t payload;
+      int frames = 0;
+      for (bool more = peer.more(); more; ++frames) {
+        zmq::message_t frame;
+        if (!socket.recv(frame)) return Internal("a message ended before its last frame");
+        more = frame.more();
+        if (frames == 0) payload = std::move(frame);
+      }
+      if (frames != 1) continue;
+      PeerMessage message{peer.to_string(), "", payload.to_string()};
+      if (const char* user = zmq_msg_gets(payload.handle(), "User-Id")) message.user_id = user;
+      return std::optional<PeerMessage>(std::move(message));
+    }
+  } catch (const zmq::error_t& error) {
+    return SocketFailure("receive on", state_->endpoint, error);
+  }
+}
+
+Status ServerChannel::Send(std::string_view peer, std::string_view payload) {
+  zmq::socket_t& socket = state_->socket;
+  try {
+    const auto more = zmq::send_flags::sndmore | zmq::send_flags::dontwait;
+    if (!socket.send(zmq::buffer(peer), more)) return Unavailable("the peer's queue is full");
+    // After the first frame was taken the rest of the message is: ROUTER has chosen and checked the pipe.
+    socket.send(zmq::buffer(payload), zmq::send_flags::dontwait);
+    return {};
+  } catch (const zmq::error_t& error) {
+    return SocketFailure("send on", state_->endpoint, error);
+  }
+}
+
+void* ServerChannel::native_socket() const { return state_->socket.handle(); }
+
+}  // namespace depthfarm

@@ -1,0 +1,56 @@
+#ifndef DEPTHFARM_COMMON_TRANSPORT_SERVER_CHANNEL_H_
+#define DEPTHFARM_COMMON_TRANSPORT_SERVER_CHANNEL_H_
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "common/base/status.h"
+#include "common/transport/channel.h"
+#include "common/transport/context.h"
+
+namespace depthfarm {
+
+struct ServerOptions {
+  std::string curve_secret_key;  // Z85; empty: no CURVE (ipc, or loopback by explicit wish: see CheckSecurity)
+  std::int64_t max_message_bytes = kMaxMessageBytes;
+  std::chrono::milliseconds linger{500};  // how long the end of the channel waits for queued messages to leave
+};
+
+// One message and whom it came from.
+struct PeerMessage {
+  std::string peer;     // opaque: pass to Send
+  std::string user_id;  // "role:name" of TransportContext::Authenticate; empty without CURVE
+  std::string payload;
+};
+
+// Many peers, one socket (ROUTER). Not thread-safe.
+class ServerChannel : public Channel {
+ public:
+  // Binds tcp://HOST:PORT or ipc://PATH; port or path "*" choose a free one. A CURVE server needs
+  // TransportContext::Authenticate before. kUnavailable: address in use or not of this machine; kInvalidArgument.
+  [[nodiscard]] static Result<std::unique_ptr<ServerChannel>> Bind(TransportContext& context,
+                                                                   const std::string& endpoint,
+                                                                   const ServerOptions& options);
+  ~ServerChannel() override;
+
+  // Where it is bound in fact.
+  [[nodiscard]] const std::string& endpoint() const;
+  // The next message, or none waiting. Messages of a wrong number of frames are skipped.
+  [[nodiscard]] Result<std::optional<PeerMessage>> Receive();
+  // Never blocks. kUnavailable: the peer is gone or its queue is full.
+  [[nodiscard]] Status Send(std::string_view peer, std::string_view payload);
+
+  [[nodiscard]] void* native_socket() const override;
+
+ private:
+  ServerChannel();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_TRANSPORT_SERVER_CHANNEL_H_

@@ -1,0 +1,35 @@
+#ifndef DEPTHFARM_COMMON_WIRE_BOUNDS_H_
+#define DEPTHFARM_COMMON_WIRE_BOUNDS_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/base/status.h"
+
+namespace depthfarm {
+
+// Bounds of what a peer may send. All checks return kInvalidArgument with the name of the field, the value and the
+// bound.
+inline constexpr int kMaxViews = 1024;
+inline constexpr int kMaxFrames = 10'000'000;
+inline constexpr int kMaxInputs = 4 * kMaxViews;
+inline constexpr int kMaxPathBytes = 4096;
+inline constexpr int kMaxNameBytes = 200;
+inline constexpr int kMaxLocations = 64;
+inline constexpr std::uint64_t kMaxArtifactBytes = std::uint64_t{1} << 36;
+
+// `value` as an int of [0, max].
+[[nodiscard]] Result<int> BoundedInt(std::string_view field, std::uint64_t value, int max);
+[[nodiscard]] Status CheckCount(std::string_view field, std::int64_t count, std::int64_t max);
+[[nodiscard]] Status CheckFinite(std::string_view field, double value);
+// Absolute, at most 4096 bytes, no NUL.
+[[nodiscard]] Status CheckAbsolutePath(std::string_view field, std::string_view path);
+// A name that can be one component of a path: not empty, ".", "..", no '/', no control characters, at most 200 bytes.
+[[nodiscard]] Status CheckFileName(std::string_view field, std::string_view name);
+// Text for people: at most `max_bytes`, no control characters.
+[[nodiscard]] Status CheckText(std::string_view field, std::string_view text, std::int64_t max_bytes);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_WIRE_BOUNDS_H_

@@ -1,0 +1,213 @@
+#include "common/wire/job_wire.h"
+
+#include <limits>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "common/wire/bounds.h"
+#include "common/wire/sequence_wire.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr int kMaxInt = std::numeric_limits<int>::max();
+constexpr int kMaxSide = 32768;
+
+Result<DepthRange> RangeFromProto(const std::string& field, const v1::DepthRange& proto) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckFinite(field, proto.z_near()));
+  DEPTHFARM_RETURN_IF_ERROR(CheckFinite(field, proto.z_far()));
+  if (!(proto.z_near() > 0 && proto.z_near() <= proto.z_far())) {
+    return InvalidArgument(field + " is " + std::to_string(proto.z_near()) + " to " + std::to_string(proto.z_far()) +
+                           ", expected 0 < near <= far");
+  }
+  return DepthRange{proto.z_near(), proto.z_far()};
+}
+
+Result<std::vector<int>> NeighboursFromProto(const std::string& field, const v1::JobView& proto, int view,
+                                             int num_views) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount(field, proto.neighbours_size(), num_views - 1));
+  if (proto.neighbours_size() == 0) return InvalidArgument(field + " is empty, expected at least one view");
+  std::vector<int> neighbours;
+  std::set<int> distinct = {view};
+  for (const std::uint32_t index : proto.neighbours()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const int neighbour, BoundedInt(field, index, num_views - 1));
+    if (!distinct.insert(neighbour).second) {
+      return InvalidArgument(field + " names view " + std::to_string(neighbour) + " twice, or the view itself");
+    }
+    neighbours.push_back(neighbour);
+  }
+  return neighbours;
+}
+
+Result<JobView> ViewFromProto(const v1::JobView& proto, int index, int num_views, int downscale) {
+  JobView view;
+  DEPTHFARM_ASSIGN_OR_RETURN(view.camera, FromProto(proto.camera()));
+  const std::string name = "view '" + view.camera.name + "': ";
+  DEPTHFARM_ASSIGN_OR_RETURN(view.source_width, BoundedInt(name + "source width", proto.source_width(), kMaxSide));
+  DEPTHFARM_ASSIGN_OR_RETURN(view.source_height, BoundedInt(name + "source height", proto.source_height(), kMaxSide));
+  if (view.source_width / downscale != view.camera.width || view.source_height / downscale != view.camera.height) {
+    return InvalidArgument(name + "source size " + std::to_string(view.source_width) + "x" +
+                           std::to_string(view.source_height) + " does not fit its camera at downscale " +
+                           std::to_string(downscale));
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(view.format, FromProto(proto.format()));
+  DEPTHFARM_ASSIGN_OR_RETURN(view.segments,
+                             BoundedInt(name + "segments", proto.segments(), view.camera.width * view.camera.height));
+  if (view.segments < 1) return InvalidArgument(name + "segments is 0, expected at least 1");
+  DEPTHFARM_ASSIGN_OR_RETURN(view.own_range, RangeFromProto(name + "own range", proto.own_range()));
+  DEPTHFARM_ASSIGN_OR_RETURN(view.neighbours, NeighboursFromProto(name + "neighbours", proto, index, num_views));
+  return view;
+}
+
+Result<std::vector<JobView>> ViewsFromProto(const v1::JobConfig& proto, int downscale) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount("views", proto.views_size(), kMaxViews));
+  if (proto.views_size() < 2) return InvalidArgument("a job has at least two views");
+  std::vector<JobView> views;
+  std::set<std::string> names;
+  for (int i = 0; i < proto.views_size(); ++i) {
+    DEPTHFARM_ASSIGN_OR_RETURN(JobView view, ViewFromProto(proto.views(i), i, proto.views_size(), downscale));
+    if (!names.insert(view.camera.name).second) {
+      return InvalidArgument("view '" + view.camera.name + "' is listed twice");
+    }
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+Result<int> BlocksFromProto(const std::string& field, std::uint32_t value, int levels) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const int blocks, BoundedInt(field, value, levels));
+  if (blocks < 1) return InvalidArgument(field + " is 0, expected at least 1");
+  return blocks;
+}
+
+// The job's frames as first_frame and end_frame state them.
+Result<int> FramesFromProto(const v1::JobConfig& proto, const EstimationParams& params) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const int frames, BoundedInt("number of frames", proto.num_frames(), kMaxFrames));
+  if (frames < 1 || params.end_frame - params.first_frame != frames) {
+    return InvalidArgument("number of frames is " + std::to_string(frames) + ", frames are " +
+                           std::to_string(params.first_frame) + ":" + std::to_string(params.end_frame));
+  }
+  return frames;
+}
+
+Result<ResolvedJob> ResolvedFromProto(const v1::JobConfig& proto) {
+  ResolvedJob job;
+  DEPTHFARM_ASSIGN_OR_RETURN(job.params, FromProto(proto.params()));
+  const EstimationParams& params = job.params;
+  DEPTHFARM_ASSIGN_OR_RETURN(job.reference, FromProto(proto.reference()));
+  DEPTHFARM_RETURN_IF_ERROR(DepthLevels::Create(job.reference, params.z_near, params.z_far, params.levels).status());
+  DEPTHFARM_ASSIGN_OR_RETURN(job.views, ViewsFromProto(proto, params.downscale));
+  DEPTHFARM_ASSIGN_OR_RETURN(job.num_frames, FramesFromProto(proto, params));
+  DEPTHFARM_ASSIGN_OR_RETURN(job.level_blocks_i,
+                             BlocksFromProto("level blocks of I frames", proto.level_blocks_i(), params.levels));
+  DEPTHFARM_ASSIGN_OR_RETURN(job.level_blocks_p,
+                             BlocksFromProto("level blocks of P frames", proto.level_blocks_p(), params.levels));
+  return job;
+}
+
+}  // namespace
+
+v1::EstimationParams ToProto(const EstimationParams& params) {
+  v1::EstimationParams proto;
+  proto.set_segments(static_cast<std::uint32_t>(params.segments));
+  proto.set_levels(static_cast<std::uint32_t>(params.levels));
+  proto.set_z_near(params.z_near);
+  proto.set_z_far(params.z_far);
+  proto.set_smoothing(params.smoothing);
+  proto.set_matching_window(static_cast<std::uint32_t>(params.matching_window));
+  proto.set_matching_offset(params.matching_offset);
+  proto.set_snic_compactness(params.snic_compactness);
+  proto.set_gop(static_cast<std::uint32_t>(params.gop));
+  proto.set_p_threshold(static_cast<std::uint32_t>(params.p_threshold));
+  proto.set_i_threshold(static_cast<std::uint32_t>(params.i_threshold));
+  proto.set_level_blocks(static_cast<std::uint32_t>(params.level_blocks));
+  proto.set_partition(params.partition == Partition::kContiguous ? v1::PARTITION_CONTIGUOUS
+                                                                 : v1::PARTITION_INTERLEAVED);
+  proto.set_max_sweeps(static_cast<std::uint32_t>(params.max_sweeps));
+  proto.set_neighbours(static_cast<std::uint32_t>(params.neighbours));
+  proto.set_downscale(static_cast<std::uint32_t>(params.downscale));
+  for (const std::string& view : params.views) proto.add_views(view);
+  proto.set_first_frame(static_cast<std::uint32_t>(params.first_frame));
+  proto.set_end_frame(params.end_frame);
+  return proto;
+}
+
+Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
+  EstimationParams params;
+  const auto read = [](const char* field, std::uint32_t value, int& target) -> Status {
+    DEPTHFARM_ASSIGN_OR_RETURN(target, BoundedInt(field, value, kMaxInt));
+    return {};
+  };
+  DEPTHFARM_RETURN_IF_ERROR(read("segments", proto.segments(), params.segments));
+  DEPTHFARM_RETURN_IF_ERROR(read("levels", proto.levels(), params.levels));
+  params.z_near = proto.z_near();
+  params.z_far = proto.z_far();
+  params.smoothing = proto.smoothing();
+  DEPTHFARM_RETURN_IF_ERROR(read("matching-window", proto.matching_window(), params.matching_window));
+  params.matching_offset = proto.matching_offset();
+  params.snic_compactness = proto.snic_compactness();
+  DEPTHFARM_RETURN_IF_ERROR(read("gop", proto.gop(), params.gop));
+  DEPTHFARM_RETURN_IF_ERROR(read("p-threshold", proto.p_threshold(), params.p_threshold));
+  DEPTHFARM_RETURN_IF_ERROR(read("i-threshold", proto.i_threshold(), params.i_threshold));
+  DEPTHFARM_RETURN_IF_ERROR(read("level-blocks", proto.level_blocks(), params.level_blocks));
+  if (proto.partition() != v1::PARTITION_CONTIGUOUS && proto.partition() != v1::PARTITION_INTERLEAVED) {
+    return InvalidArgument("partition is " + std::to_string(proto.partition()) + ", expected blocks or interleaved");
+  }
+  params.partition = proto.partition() == v1::PARTITION_CONTIGUOUS ? Partition::kContiguous : Partition::kInterleaved;
+  DEPTHFARM_RETURN_IF_ERROR(read("sweeps", proto.max_sweeps(), params.max_sweeps));
+  DEPTHFARM_RETURN_IF_ERROR(read("neighbors", proto.neighbours(), params.neighbours));
+  DEPTHFARM_RETURN_IF_ERROR(read("downscale", proto.downscale(), params.downscale));
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount("views", proto.views_size(), kMaxViews));
+  for (const std::string& view : proto.views()) {
+    DEPTHFARM_RETURN_IF_ERROR(CheckFileName("views: name", view));
+    params.views.push_back(view);
+  }
+  DEPTHFARM_RETURN_IF_ERROR(read("frames: first", proto.first_frame(), params.first_frame));
+  params.end_frame = proto.end_frame();
+  DEPTHFARM_RETURN_IF_ERROR(params.Validate());
+  return params;
+}
+
+v1::JobConfig ToProto(const JobConfig& config) {
+  v1::JobConfig proto;
+  const ResolvedJob& job = config.resolved;
+  proto.set_job_id(config.job.value());
+  proto.set_algorithm_version(config.algorithm_version);
+  *proto.mutable_params() = ToProto(job.params);
+  *proto.mutable_reference() = ToProto(job.reference);
+  for (const JobView& view : job.views) {
+    v1::JobView* added = proto.add_views();
+    *added->mutable_camera() = ToProto(view.camera);
+    added->set_source_width(static_cast<std::uint32_t>(view.source_width));
+    added->set_source_height(static_cast<std::uint32_t>(view.source_height));
+    *added->mutable_format() = ToProto(view.format);
+    added->set_segments(static_cast<std::uint32_t>(view.segments));
+    added->mutable_own_range()->set_z_near(view.own_range.z_near);
+    added->mutable_own_range()->set_z_far(view.own_range.z_far);
+    for (const int neighbour : view.neighbours) added->add_neighbours(static_cast<std::uint32_t>(neighbour));
+  }
+  proto.set_num_frames(static_cast<std::uint32_t>(job.num_frames));
+  proto.set_level_blocks_i(static_cast<std::uint32_t>(job.level_blocks_i));
+  proto.set_level_blocks_p(static_cast<std::uint32_t>(job.level_blocks_p));
+  proto.set_output_dir(config.output_dir);
+  proto.set_sequence_name(config.sequence_name);
+  proto.set_sequence_file(config.sequence_file);
+  return proto;
+}
+
+Result<JobConfig> FromProto(const v1::JobConfig& proto) {
+  JobConfig config;
+  config.job = JobId(proto.job_id());
+  config.algorithm_version = proto.algorithm_version();
+  DEPTHFARM_ASSIGN_OR_RETURN(config.resolved, ResolvedFromProto(proto));
+  DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("output folder", proto.output_dir()));
+  config.output_dir = proto.output_dir();
+  DEPTHFARM_RETURN_IF_ERROR(CheckText("sequence name", proto.sequence_name(), kMaxNameBytes));
+  config.sequence_name = proto.sequence_name();
+  DEPTHFARM_RETURN_IF_ERROR(CheckText("sequence file", proto.sequence_file(), kMaxPathBytes));
+  config.sequence_file = proto.sequence_file();
+  return config;
+}
+
+}  // namespace depthfarm

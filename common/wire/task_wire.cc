@@ -1,0 +1,293 @@
+#include "common/wire/task_wire.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/wire/bounds.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr int kMaxIndex = 65536;
+constexpr int kMaxEndpointBytes = 512;
+constexpr std::size_t kKeyCharacters = 40;
+
+v1::InputRole RoleToProto(InputRole role) {
+  switch (role) {
+    case InputRole::kAnalysis:
+      return v1::INPUT_ROLE_ANALYSIS;
+    case InputRole::kPreviousAnalysis:
+      return v1::INPUT_ROLE_PREVIOUS_ANALYSIS;
+    case InputRole::kPreviousLabels:
+      return v1::INPUT_ROLE_PREVIOUS_LABELS;
+    case InputRole::kIAnalysis:
+      return v1::INPUT_ROLE_I_ANALYSIS;
+    case InputRole::kILabels:
+      return v1::INPUT_ROLE_I_LABELS;
+    case InputRole::kLabels:
+      return v1::INPUT_ROLE_LABELS;
+  }
+  return v1::INPUT_ROLE_UNSPECIFIED;
+}
+
+Result<InputRole> RoleFromProto(v1::InputRole role) {
+  switch (role) {
+    case v1::INPUT_ROLE_ANALYSIS:
+      return InputRole::kAnalysis;
+    case v1::INPUT_ROLE_PREVIOUS_ANALYSIS:
+      return InputRole::kPreviousAnalysis;
+    case v1::INPUT_ROLE_PREVIOUS_LABELS:
+      return InputRole::kPreviousLabels;
+    case v1::INPUT_ROLE_I_ANALYSIS:
+      return InputRole::kIAnalysis;
+    case v1::INPUT_ROLE_I_LABELS:
+      return InputRole::kILabels;
+    case v1::INPUT_ROLE_LABELS:
+      return InputRole::kLabels;
+    default:
+      return InvalidArgument("input role is " + std::to_string(role) + ", expected 1 to 6");
+  }
+}
+
+v1::ArtifactInput InputToProto(const TaskInput& input) {
+  v1::ArtifactInput proto;
+  proto.set_key(DigestBytes(input.artifact.key));
+  proto.set_stored_bytes(input.artifact.stored_bytes);
+  proto.set_content_digest(DigestBytes(input.artifact.content_digest));
+  proto.set_role(RoleToProto(input.role));
+  proto.set_view(static_cast<std::uint32_t>(input.view));
+  for (const ArtifactLocation& location : input.locations) {
+    v1::ArtifactLocation* added = proto.add_locations();
+    added->set_endpoint(location.endpoint);
+    added->set_public_key(location.public_key);
+  }
+  return proto;
+}
+
+Result<TaskInput> InputFromProto(const v1::ArtifactInput& proto) {
+  TaskInput input;
+  DEPTHFARM_ASSIGN_OR_RETURN(input.artifact.key, DigestFromBytes("input key", proto.key()));
+  DEPTHFARM_ASSIGN_OR_RETURN(input.artifact.content_digest, DigestFromBytes("input digest", proto.content_digest()));
+  if (proto.stored_bytes() > kMaxArtifactBytes) {
+    return InvalidArgument("input size is " + std::to_string(proto.stored_bytes()) + " bytes, expected at most " +
+                           std::to_string(kMaxArtifactBytes));
+  }
+  input.artifact.stored_bytes = proto.stored_bytes();
+  DEPTHFARM_ASSIGN_OR_RETURN(input.role, RoleFromProto(proto.role()));
+  DEPTHFARM_ASSIGN_OR_RETURN(input.view, BoundedInt("input view", proto.view(), kMaxViews - 1));
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount("input locations", proto.locations_size(), kMaxLocations));
+  for (const v1::ArtifactLocation& location : proto.locations()) {
+    DEPTHFARM_RETURN_IF_ERROR(CheckText("artifact endpoint", location.endpoint(), kMaxEndpointBytes));
+    if (location.endpoint().empty()) return InvalidArgument("artifact endpoint is empty");
+    if (!location.public_key().empty() && location.public_key().size() != kKeyCharacters) {
+      return InvalidArgument("artifact server's key has " + std::to_string(location.public_key().size()) +
+                             " characters, expected 40 or none");
+    }
+    input.locations.push_back({location.endpoint(), location.public_key()});
+  }
+  return input;
+}
+
+double Plausible(double value) { return std::isfinite(value) && value > 0 ? value : 0; }
+
+Status ReadLists(const v1::TaskSpec& proto, TaskSpec& spec) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount("inputs", proto.inputs_size(), kMaxInputs));
+  for (const v1::ArtifactInput& input : proto.inputs()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(TaskInput parsed, InputFromProto(input));
+    spec.inputs.push_back(std::move(parsed));
+  }
+  for (const v1::OutputFile& file : proto.files()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(OutputFile parsed, FromProto(file));
+    spec.files.push_back(std::move(parsed));
+  }
+  for (const std::string& digest : proto.picture_digests()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const ContentDigest parsed, DigestFromBytes("picture digest", digest));
+    spec.picture_digests.push_back(parsed);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string DigestBytes(const std::array<std::uint8_t, 32>& digest) { return {digest.begin(), digest.end()}; }
+
+Result<std::array<std::uint8_t, 32>> DigestFromBytes(std::string_view field, std::string_view bytes) {
+  std::array<std::uint8_t, 32> digest{};
+  if (bytes.size() != digest.size()) {
+    return InvalidArgument(std::string(field) + " has " + std::to_string(bytes.size()) + " bytes, expected 32");
+  }
+  std::transform(bytes.begin(), bytes.end(), digest.begin(), [](char c) { return static_cast<std::uint8_t>(c); });
+  return digest;
+}
+
+v1::TaskKind ToProto(TaskKind kind) {
+  switch (kind) {
+    case TaskKind::kPrepare:
+      return v1::TASK_KIND_PREPARE;
+    case TaskKind::kAnalyse:
+      return v1::TASK_KIND_ANALYSE;
+    case TaskKind::kEstimate:
+      return v1::TASK_KIND_ESTIMATE;
+    case TaskKind::kMerge:
+      return v1::TASK_KIND_MERGE;
+    case TaskKind::kEmit:
+      return v1::TASK_KIND_EMIT;
+    case TaskKind::kCommit:
+      return v1::TASK_KIND_COMMIT;
+    case TaskKind::kManifest:
+      return v1::TASK_KIND_MANIFEST;
+    case TaskKind::kCleanup:
+      return v1::TASK_KIND_CLEANUP;
+  }
+  return v1::TASK_KIND_UNSPECIFIED;
+}
+
+Result<TaskKind> FromProto(v1::TaskKind kind) {
+  switch (kind) {
+    case v1::TASK_KIND_PREPARE:
+      return TaskKind::kPrepare;
+    case v1::TASK_KIND_ANALYSE:
+      return TaskKind::kAnalyse;
+    case v1::TASK_KIND_ESTIMATE:
+      return TaskKind::kEstimate;
+    case v1::TASK_KIND_MERGE:
+      return TaskKind::kMerge;
+    case v1::TASK_KIND_EMIT:
+      return TaskKind::kEmit;
+    case v1::TASK_KIND_COMMIT:
+      return TaskKind::kCommit;
+    case v1::TASK_KIND_MANIFEST:
+      return TaskKind::kManifest;
+    case v1::TASK_KIND_CLEANUP:
+      return TaskKind::kCleanup;
+    default:
+      return InvalidArgument("task kind is " + std::to_string(kind) + ", expected 1 to 8");
+  }
+}
+
+v1::TaskId ToProto(const TaskId& id) {
+  v1::TaskId proto;
+  proto.set_job_id(id.job.value());
+  proto.set_frame(static_cast<std::uint32_t>(id.frame));
+  proto.set_kind(ToProto(id.kind));
+  proto.set_index(static_cast<std::uint32_t>(id.index));
+  proto.set_pair(static_cast<std::uint32_t>(id.pair));
+  return proto;
+}
+
+Result<TaskId> FromProto(const v1::TaskId& proto) {
+  TaskId id;
+  id.job = JobId(proto.job_id());
+  DEPTHFARM_ASSIGN_OR_RETURN(id.frame, BoundedInt("task frame", proto.frame(), kMaxFrames));
+  DEPTHFARM_ASSIGN_OR_RETURN(id.kind, FromProto(proto.kind()));
+  DEPTHFARM_ASSIGN_OR_RETURN(id.index, BoundedInt("task index", proto.index(), kMaxIndex));
+  DEPTHFARM_ASSIGN_OR_RETURN(id.pair, BoundedInt("task pair", proto.pair(), kMaxIndex));
+  return id;
+}
+
+v1::ArtifactInfo ToProto(const ArtifactInfo& artifact) {
+  v1::ArtifactInfo proto;
+  proto.set_key(DigestBytes(artifact.key));
+  proto.set_stored_bytes(artifact.stored_bytes);
+  proto.set_content_digest(DigestBytes(artifact.content_digest));
+  return proto;
+}
+
+Result<ArtifactInfo> FromProto(const v1::ArtifactInfo& proto) {
+  ArtifactInfo artifact;
+  DEPTHFARM_ASSIGN_OR_RETURN(artifact.key, DigestFromBytes("artifact key", proto.key()));
+  DEPTHFARM_ASSIGN_OR_RETURN(artifact.content_digest, DigestFromBytes("artifact digest", proto.content_digest()));
+  if (proto.stored_bytes() == 0 || proto.stored_bytes() > kMaxArtifactBytes) {
+    return InvalidArgument("artifact size is " + std::to_string(proto.stored_bytes()) + " bytes, expected 1 to " +
+                           std::to_string(kMaxArtifactBytes));
+  }
+  artifact.stored_bytes = proto.stored_bytes();
+  return artifact;
+}
+
+v1::OutputFile ToProto(const OutputFile& file) {
+  v1::OutputFile proto;
+  proto.set_path(file.path);
+  proto.set_sha256(DigestBytes(file.sha256));
+  proto.set_bytes(file.bytes);
+  return proto;
+}
+
+Result<OutputFile> FromProto(const v1::OutputFile& proto) {
+  OutputFile file;
+  const std::string& path = proto.path();
+  const std::size_t slash = path.find('/');
+  if (slash == std::string::npos || !path.ends_with(".png")) {
+    return InvalidArgument("output file is '" + path.substr(0, kMaxNameBytes) + "', expected CAMERA/NUMBER.png");
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckFileName("output folder", path.substr(0, slash)));
+  DEPTHFARM_RETURN_IF_ERROR(CheckFileName("output file", path.substr(slash + 1)));
+  file.path = path;
+  DEPTHFARM_ASSIGN_OR_RETURN(file.sha256, DigestFromBytes("output digest", proto.sha256()));
+  file.bytes = proto.bytes();
+  return file;
+}
+
+v1::TaskStats ToProto(const TaskStats& stats) {
+  v1::TaskStats proto;
+  proto.set_wall_seconds(stats.wall_seconds);
+  proto.set_cpu_seconds(stats.cpu_seconds);
+  proto.set_peak_memory_bytes(stats.peak_memory_bytes);
+  proto.set_fetch_seconds(stats.fetch_seconds);
+  proto.set_fetched_bytes(stats.fetched_bytes);
+  proto.set_sweeps(stats.sweeps);
+  proto.set_energy(stats.energy);
+  proto.set_nodes(stats.nodes);
+  proto.set_segments(stats.segments);
+  proto.set_reused(stats.reused);
+  return proto;
+}
+
+TaskStats FromProto(const v1::TaskStats& proto) {
+  TaskStats stats;
+  stats.wall_seconds = Plausible(proto.wall_seconds());
+  stats.cpu_seconds = Plausible(proto.cpu_seconds());
+  stats.peak_memory_bytes = proto.peak_memory_bytes();
+  stats.fetch_seconds = Plausible(proto.fetch_seconds());
+  stats.fetched_bytes = proto.fetched_bytes();
+  stats.sweeps = proto.sweeps();
+  stats.energy = proto.energy();
+  stats.nodes = proto.nodes();
+  stats.segments = proto.segments();
+  stats.reused = proto.reused();
+  return stats;
+}
+
+v1::TaskSpec ToProto(const TaskSpec& spec) {
+  v1::TaskSpec proto;
+  *proto.mutable_id() = ToProto(spec.id);
+  if (spec.output_key) proto.set_output_key(DigestBytes(*spec.output_key));
+  for (const TaskInput& input : spec.inputs) *proto.add_inputs() = InputToProto(input);
+  proto.set_picture(spec.picture);
+  proto.set_staging(spec.staging);
+  for (const OutputFile& file : spec.files) *proto.add_files() = ToProto(file);
+  for (const ContentDigest& digest : spec.picture_digests) proto.add_picture_digests(DigestBytes(digest));
+  return proto;
+}
+
+Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
+  TaskSpec spec;
+  DEPTHFARM_ASSIGN_OR_RETURN(spec.id, FromProto(proto.id()));
+  const bool has_key = spec.id.kind == TaskKind::kEstimate || spec.id.kind == TaskKind::kMerge;
+  if (has_key != !proto.output_key().empty()) {
+    return InvalidArgument(TaskName(spec.id) + (has_key ? " has no output key" : " has an output key, expected none"));
+  }
+  if (has_key) {
+    DEPTHFARM_ASSIGN_OR_RETURN(spec.output_key, DigestFromBytes("output key", proto.output_key()));
+  }
+  DEPTHFARM_RETURN_IF_ERROR(ReadLists(proto, spec));
+  if (spec.id.kind == TaskKind::kAnalyse) DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("picture", proto.picture()));
+  spec.picture = spec.id.kind == TaskKind::kAnalyse ? proto.picture() : "";
+  const bool stages = spec.id.kind == TaskKind::kEmit || spec.id.kind == TaskKind::kCommit;
+  if (stages) DEPTHFARM_RETURN_IF_ERROR(CheckFileName("staging folder", proto.staging()));
+  spec.staging = stages ? proto.staging() : "";
+  return spec;
+}
+
+}  // namespace depthfarm

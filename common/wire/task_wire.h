@@ -1,0 +1,39 @@
+#ifndef DEPTHFARM_COMMON_WIRE_TASK_WIRE_H_
+#define DEPTHFARM_COMMON_WIRE_TASK_WIRE_H_
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/task_spec.h"
+#include "depthfarm/v1/task.pb.h"
+
+namespace depthfarm {
+
+// 32 bytes: ArtifactKey, ContentDigest.
+[[nodiscard]] std::string DigestBytes(const std::array<std::uint8_t, 32>& digest);
+[[nodiscard]] Result<std::array<std::uint8_t, 32>> DigestFromBytes(std::string_view field, std::string_view bytes);
+
+[[nodiscard]] v1::TaskKind ToProto(TaskKind kind);
+[[nodiscard]] v1::TaskId ToProto(const TaskId& id);
+[[nodiscard]] v1::ArtifactInfo ToProto(const ArtifactInfo& artifact);
+[[nodiscard]] v1::OutputFile ToProto(const OutputFile& file);
+[[nodiscard]] v1::TaskStats ToProto(const TaskStats& stats);
+[[nodiscard]] v1::TaskSpec ToProto(const TaskSpec& spec);
+
+// Everything from a peer is checked: kInvalidArgument names field, value and bound.
+[[nodiscard]] Result<TaskKind> FromProto(v1::TaskKind kind);
+[[nodiscard]] Result<TaskId> FromProto(const v1::TaskId& id);
+[[nodiscard]] Result<ArtifactInfo> FromProto(const v1::ArtifactInfo& artifact);
+// The path is "<camera>/<file>.png": two legal names, nothing that leaves the folder.
+[[nodiscard]] Result<OutputFile> FromProto(const v1::OutputFile& file);
+// Numbers that are not finite or negative become 0: statistics never fail a task.
+[[nodiscard]] TaskStats FromProto(const v1::TaskStats& stats);
+[[nodiscard]] Result<TaskSpec> FromProto(const v1::TaskSpec& spec);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_WIRE_TASK_WIRE_H_
