@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>  // the only file that includes it: 10 s to compile
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <memory>
 #include <sstream>
 #include <thread>
@@ -78,7 +79,14 @@ void AddFarmOptions(CLI::App& app, FarmArguments& farm) {
 void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }
 
 void AddJobId(CLI::App& app, std::uint64_t& job) {
-  app.add_option("JOB", job, "Number that submit printed")->required()->type_name("");
+  // Not CLI11's own conversion, which takes -1 for a number of 20 digits.
+  const auto parse = [&job](const std::string& text) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), job);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      throw CLI::ValidationError("JOB", "'" + text + "' is not a job number");
+    }
+  };
+  app.add_option_function<std::string>("JOB", parse, "Number that submit printed")->required()->type_name("");
 }
 
 void DefineDemo(CLI::App& app, CommandArguments& storage) {
@@ -104,7 +112,7 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
       ->group(group);
   app.add_option("--log-level", arguments.farm.log_level, "Of coordinator and workers")
       ->type_name("LEVEL")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error"}))
+      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
       ->capture_default_str()
       ->group(group);
   AddJsonFlag(app, arguments.json);
