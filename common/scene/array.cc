@@ -92,9 +92,10 @@ void PlaceIrregularly(std::vector<Camera>& cameras, std::uint64_t seed) {
     Camera& camera = cameras[i];
     const int place = order[i].second;
     const std::uint64_t key = DerivedKey(DerivedKey(seed, "place"), place);
-    const Eigen::Vector3d center(Spread(place % columns, columns, kLineStep_m, kMaxLine_m) + Uniform(key, 0, -0.07, 0.07),
-                                 Spread(place / columns, rows, kLineStep_m, kMaxRise_m) + Uniform(key, 1, -0.07, 0.07),
-                                 Uniform(key, 2, -0.15, 0.15));
+    const Eigen::Vector3d center(
+        Spread(place % columns, columns, kLineStep_m, kMaxLine_m) + Uniform(key, 0, -0.07, 0.07),
+        Spread(place / columns, rows, kLineStep_m, kMaxRise_m) + Uniform(key, 1, -0.07, 0.07),
+        Uniform(key, 2, -0.15, 0.15));
     const Eigen::Vector3d target =
         kTarget + Eigen::Vector3d(Uniform(key, 3, -0.15, 0.15), Uniform(key, 4, -0.08, 0.08), 0);
     const double roll = Uniform(key, 5, -3.0, 3.0) * kDegree;

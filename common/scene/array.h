@@ -22,12 +22,12 @@ enum class ArrayKind {
 // "arc", "line", "grid", "irregular" or "mixed"; kInvalidArgument lists them.
 [[nodiscard]] Result<ArrayKind> ParseArrayKind(std::string_view name);
 
-// `cameras` >= 1 cameras called cam0, cam1, ... with pictures of `width` x `height` pixels (kMixed: at most that, at least
-// 16 a side), looking into the room of MakeScene() from around the world's origin. Unit of length: metre.
-// All pictures show about the same part of the scene whatever their aspect ratio. Neighbours of an arc are 3.5 degrees
-// apart and those of a line or grid 0.25 m, which is a disparity range of about 50 pixels at 1024 x 768; large arrays stay
-// within 56 degrees (1.9 m) and so stand closer.
-// `seed` decides the jitter of the irregular kinds and changes nothing else.
+// `cameras` >= 1 cameras called cam0, cam1, ... with pictures of `width` x `height` pixels (kMixed: at most that, at
+// least 16 a side), looking into the room of MakeScene() from around the world's origin. Unit of length: metre. All
+// pictures show about the same part of the scene whatever their aspect ratio. Neighbours of an arc are 3.5 degrees
+// apart and those of a line or grid 0.25 m, which is a disparity range of about 50 pixels at 1024 x 768; large arrays
+// stay within 56 degrees (1.9 m) and so stand closer. `seed` decides the jitter of the irregular kinds and changes
+// nothing else.
 [[nodiscard]] std::vector<Camera> MakeArray(ArrayKind kind, int cameras, int width, int height, std::uint64_t seed);
 
 }  // namespace depthfarm

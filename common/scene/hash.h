@@ -8,8 +8,8 @@
 
 namespace depthfarm {
 
-// Counter-based randomness: a number is a function of a key and a counter, so that any frame, pixel or object can be made
-// alone and in any order (std::random's distributions differ between libraries and need their history).
+// Counter-based randomness: a number is a function of a key and a counter, so that any frame, pixel or object can be
+// made alone and in any order (std::random's distributions differ between libraries and need their history).
 
 // Mixes 64 bits so that each input bit flips each output bit about half of the time (the finaliser of SplitMix64).
 [[nodiscard]] constexpr std::uint64_t Mix(std::uint64_t value) {

@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Builds solids in the figure's own frame: feet at the origin, x to its left hand as the cameras see it, y down, facing -z,
-// lengths in units of a figure 1.75 m tall.
+// Builds solids in the figure's own frame: feet at the origin, x to its left hand as the cameras see it, y down, facing
+// -z, lengths in units of a figure 1.75 m tall.
 class Figure {
  public:
   Figure(const Vector3d& feet_in_world, double scale, double turn)
@@ -49,7 +49,8 @@ class Figure {
 
 // A point `length` from `from`, hanging down and swung forward (towards -z) by `swing` and outward by `spread` radians.
 Vector3d Swung(const Vector3d& from, double length, double swing, double spread = 0) {
-  return from + length * Vector3d(std::sin(spread), std::cos(swing) * std::cos(spread), -std::sin(swing) * std::cos(spread));
+  return from +
+         length * Vector3d(std::sin(spread), std::cos(swing) * std::cos(spread), -std::sin(swing) * std::cos(spread));
 }
 
 void AddLeg(Figure& figure, const Person& person, double side, double swing) {
@@ -87,8 +88,8 @@ std::vector<Shape> PosedPerson(const Person& person, int frame) {
   AddLeg(figure, person, -1, swing + 0.03);
   AddLeg(figure, person, 1, -swing + 0.03);
   figure.Ellipsoid(Vector3d(0, -0.95, 0), Vector3d(0.165, 0.13, 0.115), person.trousers);
-  figure.Ellipsoid(Vector3d(0, -1.13, 0), Vector3d(0.165, 0.24, 0.115), person.shirt);
-  figure.Ellipsoid(Vector3d(0, -1.31, 0.005), Vector3d(0.205, 0.19, 0.125), person.shirt);
+  figure.Ellipsoid(Vector3d(0, -1.16, 0), Vector3d(0.168, 0.3, 0.12), person.shirt);
+  figure.Ellipsoid(Vector3d(0, -1.3, 0.003), Vector3d(0.2, 0.21, 0.123), person.shirt);
   figure.Limb(Vector3d(0, -1.42, 0.01), Vector3d(0, -1.52, 0), 0.052, person.skin);
 
   const double waving = std::sin(2 * std::numbers::pi * frame / 18.0);

@@ -13,12 +13,12 @@ namespace depthfarm {
 struct Person {
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // on the floor, the middle of the walk, metres
   double height_m = 1.75;
-  double walk_m = 0.4;        // farthest from `place`, along world x
-  double walk_frames = 64;    // one walk to and fro
-  double phase = 0;           // of the walk at frame 0, radians
-  double facing = 0;          // radians from the cameras towards -x while standing
-  double wave = 0;            // 0 arms hang, 1 the left arm is raised and waves
-  int skin = 0;               // indices into Scene::materials
+  double walk_m = 0.4;      // farthest from `place`, along world x
+  double walk_frames = 64;  // one walk to and fro
+  double phase = 0;         // of the walk at frame 0, radians
+  double facing = 0;        // radians from the cameras towards -x while standing
+  double wave = 0;          // 0 arms hang, 1 the left arm is raised and waves
+  int skin = 0;             // indices into Scene::materials
   int hair = 0;
   int shirt = 0;
   int trousers = 0;

@@ -18,8 +18,9 @@ constexpr int kTile = 16;  // pixels a side; a ray is tried against the solids w
 // A solid as one camera sees it.
 struct SeenShape {
   const Shape* shape = nullptr;
-  Vector3d origin;                   // the camera's centre in the solid's frame
-  Eigen::Matrix3d local_from_pixel;  // direction of the ray of pixel (x, y, 1) in the solid's frame; its t is the depth z
+  Vector3d origin;  // the camera's centre in the solid's frame
+  Eigen::Matrix3d
+      local_from_pixel;  // direction of the ray of pixel (x, y, 1) in the solid's frame; its t is the depth z
 };
 
 struct Hit {
@@ -47,8 +48,7 @@ PixelRect PictureBounds(const Shape& shape, const Camera& camera) {
     const Vector3d local((corner & 1) != 0 ? half.x() : -half.x(), (corner & 2) != 0 ? half.y() : -half.y(),
                          (corner & 4) != 0 ? half.z() : -half.z());
     const Vector3d world = shape.local_from_world.transpose() * local + shape.center;
-    const Vector3d p =
-        camera.intrinsics * (camera.cam_from_world_rotation * world + camera.cam_from_world_translation);
+    const Vector3d p = camera.intrinsics * (camera.cam_from_world_rotation * world + camera.cam_from_world_translation);
     if (p.z() < 1e-3) return whole;  // reaches behind the camera: no bounds to be had from corners
     left = std::min(left, p.x() / p.z());
     right = std::max(right, p.x() / p.z());
@@ -57,7 +57,8 @@ PixelRect PictureBounds(const Shape& shape, const Camera& camera) {
   }
   // One pixel more on each side: colour samples lie off the pixel centre.
   const auto inside = [](double value, int size) { return static_cast<int>(std::clamp(value, -1.0, size + 0.0)); };
-  return {std::max(0, inside(std::floor(left) - 1, camera.width)), std::max(0, inside(std::floor(top) - 1, camera.height)),
+  return {std::max(0, inside(std::floor(left) - 1, camera.width)),
+          std::max(0, inside(std::floor(top) - 1, camera.height)),
           std::min(camera.width - 1, inside(std::ceil(right) + 1, camera.width)),
           std::min(camera.height - 1, inside(std::ceil(bottom) + 1, camera.height))};
 }
@@ -82,7 +83,8 @@ class Renderer {
     const int tiles_down = (camera.height + kTile - 1) / kTile;
     tiles_.resize(static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>(tiles_down));
     for (const Shape& shape : shapes) {
-      seen_.push_back({&shape, shape.local_from_world * (center - shape.center), shape.local_from_world * world_from_pixel});
+      seen_.push_back(
+          {&shape, shape.local_from_world * (center - shape.center), shape.local_from_world * world_from_pixel});
     }
     for (const SeenShape& seen : seen_) {
       const PixelRect bounds = PictureBounds(*seen.shape, camera);
@@ -118,7 +120,8 @@ class Renderer {
     // Seen at a slant a pixel covers more of the surface; at grazing angles (rims of round things) it is left to blur.
     const double cosine = std::max(0.2, -normal.dot(direction) / length);
     const double footprint_m = sample_px * hit.depth * length / focal_px_ / cosine;
-    const Rgb colour = MaterialColour(materials_[shape.material], point, SurfaceCoordinates(shape, point, normal), footprint_m);
+    const Rgb colour =
+        MaterialColour(materials_[shape.material], point, SurfaceCoordinates(shape, point, normal), footprint_m);
     return Lit(colour, shape.local_from_world.transpose() * normal);
   }
 

@@ -50,7 +50,8 @@ class Builder {
     return static_cast<int>(scene_.materials.size()) - 1;
   }
 
-  Shape& Add(Shape::Kind kind, Zone zone, int material, const Vector3d& center, const Vector3d& extent, double turn = 0) {
+  Shape& Add(Shape::Kind kind, Zone zone, int material, const Vector3d& center, const Vector3d& extent,
+             double turn = 0) {
     Shape shape;
     shape.kind = kind;
     shape.zone = zone;
@@ -71,12 +72,12 @@ class Builder {
 
   void AddRoom() {
     const int bricks = AddMaterial("bricks", {.pattern = Pattern::kBricks,
-                                              .base = Rgb(168, 104, 82),
-                                              .accent = Rgb(196, 146, 112),
+                                              .base = Rgb(158, 118, 100),
+                                              .accent = Rgb(194, 158, 132),
                                               .line = Rgb(196, 188, 176),
                                               .cell_m = 0.16,
-                                              .contrast = 0.15,
-                                              .coarsest_m = 0.25});
+                                              .contrast = 0.12,
+                                              .coarsest_m = 0.2});
     Add(Shape::Kind::kPlane, Zone::kTextured, bricks, Vector3d(0, kFloor, kWall), Vector3d::Zero());
 
     const int boards = AddMaterial("boards", {.pattern = Pattern::kPlanks,
@@ -84,8 +85,8 @@ class Builder {
                                               .accent = Rgb(190, 158, 118),
                                               .line = Rgb(60, 44, 32),
                                               .cell_m = 0.17,
-                                              .contrast = 0.16,
-                                              .coarsest_m = 0.2});
+                                              .contrast = 0.12,
+                                              .coarsest_m = 0.15});
     Shape& floor = Add(Shape::Kind::kPlane, Zone::kSlanted, boards, Vector3d(0, kFloor, 0), Vector3d::Zero());
     floor.local_from_world << 1, 0, 0, 0, 0, 1, 0, -1, 0;  // boards run away from the cameras
 
@@ -93,18 +94,18 @@ class Builder {
                                                 .base = Rgb(70, 104, 112),
                                                 .accent = Rgb(112, 148, 150),
                                                 .cell_m = 0.31,
-                                                .contrast = 0.2,
+                                                .contrast = 0.16,
                                                 .coarsest_m = 0.3});
     // Turned about the vertical so that it meets the back wall at x = -2.35 and opens towards the cameras.
     Add(Shape::Kind::kPlane, Zone::kSlanted, curtain, Vector3d(-2.35, 0, kWall), Vector3d::Zero(),
-        Draw("curtain turn", 0, 1.3, 1.36));
+        -Draw("curtain turn", 0, 1.3, 1.36));
   }
 
   void AddPanel() {
     const int plain = AddMaterial("panel", {.pattern = Pattern::kPlain, .base = Rgb(176, 178, 172), .contrast = 0});
     const int frame = AddMaterial("panel frame", {.base = Rgb(56, 50, 46), .accent = Rgb(74, 66, 58), .contrast = 0.2});
     const Vector3d middle(Draw("panel", 0, -0.4, -0.2), Draw("panel", 1, -0.62, -0.52), kWall - 0.02);
-    const Vector3d half(Draw("panel", 2, 1.24, 1.3), Draw("panel", 3, 0.88, 0.93), 0.02);
+    const Vector3d half(Draw("panel", 2, 1.18, 1.26), Draw("panel", 3, 0.84, 0.9), 0.02);
     Add(Shape::Kind::kBox, Zone::kPanel, plain, middle, half);
     constexpr double kBar = 0.03;
     for (const double side : {-1.0, 1.0}) {
@@ -128,17 +129,17 @@ class Builder {
                                                 .accent = Rgb(206, 170, 112),
                                                 .line = Rgb(84, 60, 36),
                                                 .cell_m = 0.11,
-                                                .contrast = 0.17,
+                                                .contrast = 0.14,
                                                 .coarsest_m = 0.15});
     const int card = AddMaterial("cardboard", {.pattern = Pattern::kChecks,
                                                .base = Rgb(84, 118, 92),
                                                .accent = Rgb(124, 152, 116),
                                                .line = Rgb(212, 206, 180),
                                                .cell_m = 0.12,
-                                               .contrast = 0.17,
+                                               .contrast = 0.14,
                                                .coarsest_m = 0.12});
-    const int blue = AddMaterial("blue crate", {.base = Rgb(66, 88, 146), .accent = Rgb(104, 126, 170), .contrast = 0.2,
-                                                .coarsest_m = 0.16});
+    const int blue = AddMaterial(
+        "blue crate", {.base = Rgb(66, 88, 146), .accent = Rgb(104, 126, 170), .contrast = 0.16, .coarsest_m = 0.16});
     Crate("low crate", wood, -1.4, 5.0, Vector3d(0.34, 0.27, 0.3), kFloor);
     Crate("upper crate", card, -1.42, 5.02, Vector3d(0.2, 0.16, 0.18), kFloor - 0.54);
     Crate("tall crate", blue, 1.95, 5.7, Vector3d(0.28, 0.55, 0.28), kFloor);
@@ -146,16 +147,16 @@ class Builder {
   }
 
   void AddRoundThings() {
-    const int ball = AddMaterial("ball", {.base = Rgb(196, 84, 60), .accent = Rgb(222, 176, 84), .contrast = 0.16,
-                                          .coarsest_m = 0.1});
+    const int ball = AddMaterial(
+        "ball", {.base = Rgb(196, 84, 60), .accent = Rgb(222, 176, 84), .contrast = 0.16, .coarsest_m = 0.1});
     const int barrel = AddMaterial("barrel", {.pattern = Pattern::kStripes,
                                               .base = Rgb(92, 122, 132),
                                               .accent = Rgb(132, 156, 158),
                                               .cell_m = 0.13,
-                                              .contrast = 0.2,
+                                              .contrast = 0.16,
                                               .coarsest_m = 0.12});
-    const int column = AddMaterial("column", {.base = Rgb(164, 158, 146), .accent = Rgb(196, 188, 172), .contrast = 0.16,
-                                              .coarsest_m = 0.3});
+    const int column = AddMaterial(
+        "column", {.base = Rgb(164, 158, 146), .accent = Rgb(196, 188, 172), .contrast = 0.13, .coarsest_m = 0.2});
     const double radius = Draw("ball", 0, 0.14, 0.17);
     Add(Shape::Kind::kEllipsoid, Zone::kCurved, ball,
         Vector3d(Draw("ball", 1, -0.5, -0.3), kFloor - radius, Draw("ball", 2, 3.95, 4.1)), Vector3d::Constant(radius));
@@ -163,17 +164,18 @@ class Builder {
     Add(Shape::Kind::kEllipsoid, Zone::kCurved, ball, Vector3d(1.95, kFloor - 1.1 - globe, 5.7),
         Vector3d::Constant(globe));
     Add(Shape::Kind::kCylinder, Zone::kCurved, barrel,
-        Vector3d(Draw("barrel", 0, -0.75, -0.6), kFloor - 0.38, Draw("barrel", 1, 5.5, 5.7)), Vector3d(0.27, 0.38, 0.27));
+        Vector3d(Draw("barrel", 0, -0.75, -0.6), kFloor - 0.38, Draw("barrel", 1, 5.5, 5.7)),
+        Vector3d(0.27, 0.38, 0.27));
     Add(Shape::Kind::kCylinder, Zone::kCurved, column, Vector3d(Draw("column", 0, 2.5, 2.6), -1.0, 6.5),
         Vector3d(Draw("column", 1, 0.27, 0.33), 4.0, 0.3));
   }
 
   // A lamp stand with a slanted boom: thin things before the wall and before the panel.
   void AddLamp() {
-    const int metal = AddMaterial("metal", {.base = Rgb(52, 54, 58), .accent = Rgb(82, 84, 88), .contrast = 0.2,
-                                            .coarsest_m = 0.08});
-    const int shade = AddMaterial("shade", {.base = Rgb(220, 204, 160), .accent = Rgb(232, 222, 190), .contrast = 0.12,
-                                            .coarsest_m = 0.08});
+    const int metal = AddMaterial(
+        "metal", {.base = Rgb(52, 54, 58), .accent = Rgb(82, 84, 88), .contrast = 0.16, .coarsest_m = 0.08});
+    const int shade = AddMaterial(
+        "shade", {.base = Rgb(220, 204, 160), .accent = Rgb(232, 222, 190), .contrast = 0.12, .coarsest_m = 0.08});
     const Vector3d foot(Draw("lamp", 0, -1.0, -0.92), kFloor, Draw("lamp", 1, 4.1, 4.25));
     const Vector3d top = foot + Vector3d(0, -2.1, 0);
     AddRod(foot, top, 0.0095, metal);
@@ -189,8 +191,8 @@ class Builder {
   }
 
   void AddRailing() {
-    const int paint = AddMaterial("railing", {.base = Rgb(206, 200, 188), .accent = Rgb(226, 220, 206), .contrast = 0.15,
-                                              .coarsest_m = 0.06});
+    const int paint = AddMaterial(
+        "railing", {.base = Rgb(206, 200, 188), .accent = Rgb(226, 220, 206), .contrast = 0.15, .coarsest_m = 0.06});
     constexpr int kRods = 9;
     const Vector3d from(Draw("railing", 0, 0.28, 0.36), kFloor - 0.02, Draw("railing", 1, 3.7, 3.8));
     const Vector3d to = from + Vector3d(Draw("railing", 2, 1.05, 1.15), 0, Draw("railing", 3, 0.25, 0.4));
@@ -205,14 +207,14 @@ class Builder {
   }
 
   void AddPersons() {
-    const int skin = AddMaterial("skin", {.base = Rgb(206, 156, 128), .accent = Rgb(216, 170, 142), .contrast = 0.07,
-                                          .coarsest_m = 0.06});
-    const int hair = AddMaterial("hair", {.base = Rgb(58, 42, 34), .accent = Rgb(84, 62, 46), .contrast = 0.28,
-                                          .coarsest_m = 0.05});
-    const int shoes = AddMaterial("shoes", {.base = Rgb(48, 44, 44), .accent = Rgb(72, 64, 58), .contrast = 0.2,
-                                            .coarsest_m = 0.06});
-    const int jeans = AddMaterial("jeans", {.base = Rgb(62, 78, 112), .accent = Rgb(90, 108, 140), .contrast = 0.2,
-                                            .coarsest_m = 0.1});
+    const int skin = AddMaterial(
+        "skin", {.base = Rgb(206, 156, 128), .accent = Rgb(216, 170, 142), .contrast = 0.07, .coarsest_m = 0.06});
+    const int hair =
+        AddMaterial("hair", {.base = Rgb(58, 42, 34), .accent = Rgb(84, 62, 46), .contrast = 0.28, .coarsest_m = 0.05});
+    const int shoes = AddMaterial(
+        "shoes", {.base = Rgb(48, 44, 44), .accent = Rgb(72, 64, 58), .contrast = 0.16, .coarsest_m = 0.06});
+    const int jeans = AddMaterial(
+        "jeans", {.base = Rgb(62, 78, 112), .accent = Rgb(90, 108, 140), .contrast = 0.16, .coarsest_m = 0.1});
     const int checked = AddMaterial("checked shirt", {.pattern = Pattern::kChecks,
                                                       .base = Rgb(150, 52, 50),
                                                       .accent = Rgb(206, 120, 96),
@@ -220,10 +222,10 @@ class Builder {
                                                       .cell_m = 0.085,
                                                       .contrast = 0.14,
                                                       .coarsest_m = 0.08});
-    const int plain_trousers = AddMaterial("trousers", {.base = Rgb(112, 98, 80), .accent = Rgb(138, 122, 98),
-                                                        .contrast = 0.18, .coarsest_m = 0.1});
-    const int jumper = AddMaterial("jumper", {.base = Rgb(62, 120, 104), .accent = Rgb(120, 166, 120), .contrast = 0.2,
-                                              .coarsest_m = 0.12});
+    const int plain_trousers = AddMaterial(
+        "trousers", {.base = Rgb(112, 98, 80), .accent = Rgb(138, 122, 98), .contrast = 0.18, .coarsest_m = 0.1});
+    const int jumper = AddMaterial(
+        "jumper", {.base = Rgb(62, 120, 104), .accent = Rgb(120, 166, 120), .contrast = 0.16, .coarsest_m = 0.12});
     scene_.persons.push_back({.place = Vector3d(Draw("walker", 0, -0.35, -0.25), kFloor, Draw("walker", 1, 4.5, 4.7)),
                               .height_m = Draw("walker", 2, 1.7, 1.8),
                               .walk_m = Draw("walker", 3, 0.3, 0.36),
@@ -284,7 +286,8 @@ Result<DepthRange> SceneDepthRange(const Scene& scene, std::span<const Camera> c
       double nearest = std::numeric_limits<double>::infinity();
       for (const Shape& shape : scene.still) {
         if (shape.kind != Shape::Kind::kPlane) continue;
-        const double t = FirstHit(shape, shape.local_from_world * (center - shape.center), shape.local_from_world * direction);
+        const double t =
+            FirstHit(shape, shape.local_from_world * (center - shape.center), shape.local_from_world * direction);
         if (t > 0) nearest = std::min(nearest, t);
       }
       if (!std::isfinite(nearest)) continue;

@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Smaller root of a t^2 + 2 b t + c = 0 with a > 0; -1 when there is none. Outside the solid c > 0, so that a smaller root
-// > 0 is an entry and roots of both signs cannot occur.
+// Smaller root of a t^2 + 2 b t + c = 0 with a > 0; -1 when there is none. Outside the solid c > 0, so that a smaller
+// root > 0 is an entry and roots of both signs cannot occur.
 double EntryRoot(double a, double b, double c) {
   const double discriminant = b * b - a * c;
   if (discriminant < 0) return -1;
@@ -104,9 +104,7 @@ Shape CapsuleBetween(const Vector3d& a, const Vector3d& b, double radius, const 
   return shape;
 }
 
-Eigen::Matrix3d TurnedBy(double angle) {
-  return Eigen::AngleAxisd(-angle, Vector3d::UnitY()).toRotationMatrix();
-}
+Eigen::Matrix3d TurnedBy(double angle) { return Eigen::AngleAxisd(-angle, Vector3d::UnitY()).toRotationMatrix(); }
 
 Vector3d LocalBounds(const Shape& shape) {
   switch (shape.kind) {

@@ -7,8 +7,8 @@
 
 namespace depthfarm {
 
-// One solid of a scene in its own frame, local = local_from_world * (world - center), with x right, y down, z forward when
-// local_from_world is the identity. Metres. What is painted on it is fixed to that frame and so moves with it.
+// One solid of a scene in its own frame, local = local_from_world * (world - center), with x right, y down, z forward
+// when local_from_world is the identity. Metres. What is painted on it is fixed to that frame and so moves with it.
 struct Shape {
   enum class Kind {
     kPlane,      // local z = 0, without bounds
@@ -29,7 +29,8 @@ struct Shape {
 [[nodiscard]] Shape CapsuleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius,
                                    const Eigen::Vector3d& forward = Eigen::Vector3d::UnitZ());
 
-// Turn by `angle` radians around the world's downward axis: local_from_world of something that faces -z and turns to -x.
+// Turn by `angle` radians around the world's downward axis: local_from_world of something that faces -z and turns to
+// -x.
 [[nodiscard]] Eigen::Matrix3d TurnedBy(double angle);
 
 // Half sizes of the axis-parallel box around the solid in its own frame. Not for planes.

@@ -9,14 +9,15 @@
 namespace depthfarm {
 namespace {
 
-// Amplitude of each octave relative to the next coarser one: detail at every scale, so that small windows can be matched.
-constexpr double kPersistence = 0.82;
+// Amplitude of each octave relative to the next coarser one: detail at every scale, so that small windows can be
+// matched.
+constexpr double kPersistence = 0.9;
 constexpr int kMaxOctaves = 12;
 
 // The value at a lattice point, uniform in [-1, 1). 32-bit mixing: this is called a hundred times per colour sample.
 double LatticeValue(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed) {
-  std::uint32_t h = seed ^ (static_cast<std::uint32_t>(x) * 0x8da6b343u) ^ (static_cast<std::uint32_t>(y) * 0xd8163841u) ^
-                    (static_cast<std::uint32_t>(z) * 0xcb1ab31fu);
+  std::uint32_t h = seed ^ (static_cast<std::uint32_t>(x) * 0x8da6b343u) ^
+                    (static_cast<std::uint32_t>(y) * 0xd8163841u) ^ (static_cast<std::uint32_t>(z) * 0xcb1ab31fu);
   h = (h ^ (h >> 16)) * 0x7feb352du;
   h = (h ^ (h >> 15)) * 0x846ca68bu;
   h ^= h >> 16;
@@ -47,8 +48,8 @@ double ValueNoise(const Eigen::Vector3d& p, std::uint32_t seed) {
   return Blend(layers[0], layers[1], tz);
 }
 
-// How much of a line of `width` around multiples of `period` covers a pixel of `footprint` at `x`: a box-filtered line, in
-// [0, 1].
+// How much of a line of `width` around multiples of `period` covers a pixel of `footprint` at `x`: a box-filtered line,
+// in [0, 1].
 double LineCover(double x, double period, double width, double footprint) {
   const double from_line = std::abs(x - period * std::round(x / period));
   const double pixel = std::max(footprint, 1e-9);
@@ -77,7 +78,8 @@ Cells Masonry(double along, double across, double length, double height, double 
   cells.row = std::floor(across / height);
   const double shift = length * Uniform(seed, static_cast<std::uint64_t>(static_cast<std::int64_t>(cells.row)));
   cells.column = std::floor((along - shift) / length);
-  cells.joint = std::max(LineCover(across, height, joint_m, footprint), LineCover(along - shift, length, joint_m, footprint));
+  cells.joint =
+      std::max(LineCover(across, height, joint_m, footprint), LineCover(along - shift, length, joint_m, footprint));
   return cells;
 }
 
@@ -119,7 +121,7 @@ Rgb Painted(const Material& m, const Eigen::Vector3d& point, const Eigen::Vector
 
 double OctaveNoise(const Eigen::Vector3d& point, double coarsest_m, double footprint_m, std::uint64_t seed) {
   // Value noise on [-1, 1) has a deviation of about 0.3; the sum is scaled so that all octaves together have about 1.
-  constexpr double kScale = 1.6;
+  constexpr double kScale = 1.5;
   double sum = 0;
   double amplitude = 1;
   double lattice_m = coarsest_m;
@@ -128,7 +130,8 @@ double OctaveNoise(const Eigen::Vector3d& point, double coarsest_m, double footp
     if (weight <= 0) break;
     // Octaves are shifted against each other, else their lattices share the planes where all of them are smooth.
     const Eigen::Vector3d p = point / lattice_m + Eigen::Vector3d(17.3, 5.9, 11.1) * octave;
-    sum += amplitude * weight * ValueNoise(p, static_cast<std::uint32_t>(seed) + 0x9e3779b9u * static_cast<std::uint32_t>(octave));
+    sum += amplitude * weight *
+           ValueNoise(p, static_cast<std::uint32_t>(seed) + 0x9e3779b9u * static_cast<std::uint32_t>(octave));
     amplitude *= kPersistence;
     lattice_m /= 2;
   }

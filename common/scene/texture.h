@@ -24,9 +24,9 @@ struct Material {
   Rgb base = Rgb::Constant(128);
   Rgb accent = Rgb::Constant(128);
   Rgb line = Rgb::Constant(64);
-  double cell_m = 0.2;       // brick height, board width, period of stripes and checks
-  double contrast = 0.2;     // standard deviation of the noise over the brightness, about
-  double coarsest_m = 0.3;   // lattice of the first noise octave; each further one is half as wide
+  double cell_m = 0.2;      // brick height, board width, period of stripes and checks
+  double contrast = 0.2;    // standard deviation of the noise over the brightness, about
+  double coarsest_m = 0.3;  // lattice of the first noise octave; each further one is half as wide
   std::uint64_t seed = 0;
 };
 
@@ -36,7 +36,8 @@ struct Material {
 [[nodiscard]] double OctaveNoise(const Eigen::Vector3d& point, double coarsest_m, double footprint_m,
                                  std::uint64_t seed);
 
-// Colour of a surface before lighting. `point` in the shape's frame, `on_surface` as SurfaceCoordinates() gives it, metres.
+// Colour of a surface before lighting. `point` in the shape's frame, `on_surface` as SurfaceCoordinates() gives it,
+// metres.
 [[nodiscard]] Rgb MaterialColour(const Material& material, const Eigen::Vector3d& point,
                                  const Eigen::Vector2d& on_surface, double footprint_m);
 

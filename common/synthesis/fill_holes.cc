@@ -9,7 +9,7 @@ namespace depthfarm {
 namespace {
 
 // Depths within this share of each other count as one background.
-constexpr float kSameDepth = 0.03F;
+constexpr float kSameDepth = 0.05F;
 
 struct Direction {
   int dx;

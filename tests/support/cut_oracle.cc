@@ -11,10 +11,10 @@ namespace depthfarm::test {
 namespace {
 
 using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
-using VertexProperties = boost::property<
-    boost::vertex_color_t, boost::default_color_type,
-    boost::property<boost::vertex_distance_t, std::int64_t,
-                    boost::property<boost::vertex_predecessor_t, Traits::edge_descriptor>>>;
+using VertexProperties =
+    boost::property<boost::vertex_color_t, boost::default_color_type,
+                    boost::property<boost::vertex_distance_t, std::int64_t,
+                                    boost::property<boost::vertex_predecessor_t, Traits::edge_descriptor>>>;
 using Graph = boost::adjacency_list<
     boost::vecS, boost::vecS, boost::directedS, VertexProperties,
     boost::property<boost::edge_capacity_t, std::int64_t,
@@ -61,7 +61,7 @@ class BinaryEnergy {
     linear_[s] += value[1][0] - value[0][0];
     linear_[t] += value[1][1] - value[1][0];
     const std::int64_t weight = value[0][1] + value[1][0] - value[0][0] - value[1][1];
-    if (weight < 0) std::abort();  // the oracle only ever sees submodular terms
+    if (weight < 0) std::abort();              // the oracle only ever sees submodular terms
     if (weight > 0) pairs_[{t, s}] += weight;  // paid when t is on the source side and s is not
   }
 

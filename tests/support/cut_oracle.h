@@ -8,9 +8,10 @@
 
 namespace depthfarm::test {
 
-// A plain minimum cut: Boost.Graph's Boykov-Kolmogorov on an adjacency list, then a breadth-first search from the source over
-// arcs with residual capacity. (Not Boost's push-relabel: it leaves a preflow whose excess at nodes that cannot reach the sink
-// was never returned, so that its residual graph has another source side. Brute force over small graphs tells them apart.)
+// A plain minimum cut: Boost.Graph's Boykov-Kolmogorov on an adjacency list, then a breadth-first search from the
+// source over arcs with residual capacity. (Not Boost's push-relabel: it leaves a preflow whose excess at nodes that
+// cannot reach the sink was never returned, so that its residual graph has another source side. Brute force over small
+// graphs tells them apart.)
 struct CutProblem {
   struct Edge {
     int u = 0;

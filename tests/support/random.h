@@ -17,9 +17,7 @@ class Random {
     return z ^ (z >> 31);
   }
   // Uniform in [low, high].
-  int Int(int low, int high) {
-    return low + static_cast<int>(Next() % static_cast<std::uint64_t>(high - low + 1));
-  }
+  int Int(int low, int high) { return low + static_cast<int>(Next() % static_cast<std::uint64_t>(high - low + 1)); }
   bool Chance(int percent) { return Int(1, 100) <= percent; }
 
  private:

@@ -13,7 +13,8 @@ struct RandomProblem {
   std::vector<Level> labels;
 };
 
-inline RandomProblem MakeRandomProblem(Random& random, int nodes_per_view, int num_views, int num_levels, int fixed_percent) {
+inline RandomProblem MakeRandomProblem(Random& random, int nodes_per_view, int num_views, int num_levels,
+                                       int fixed_percent) {
   RandomProblem result;
   LabellingProblem& problem = result.problem;
   problem.num_nodes = static_cast<NodeIndex>(nodes_per_view * num_views);
@@ -25,7 +26,8 @@ inline RandomProblem MakeRandomProblem(Random& random, int nodes_per_view, int n
     const int view = static_cast<int>((i / 2) % problem.num_nodes) / nodes_per_view;
     if (random.Chance(40)) continue;
     const int other = (view + random.Int(1, num_views - 1)) % num_views;
-    problem.matches[i] = {node_of(other, random.Int(0, nodes_per_view - 1)), static_cast<std::uint16_t>(random.Int(0, 270))};
+    problem.matches[i] = {node_of(other, random.Int(0, nodes_per_view - 1)),
+                          static_cast<std::uint16_t>(random.Int(0, 270))};
   }
   for (int view = 0; view < num_views; ++view) {
     for (int s = 0; s < nodes_per_view; ++s) {

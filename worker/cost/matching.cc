@@ -54,7 +54,8 @@ std::optional<PixelPosition> MatchGeometry::Target(PixelPosition center, Level l
   if (!(p.x >= -0.5) || !(p.y >= -0.5) || !(p.x < neighbour_width_ - 0.5) || !(p.y < neighbour_height_ - 0.5)) {
     return std::nullopt;
   }
-  return PixelPosition{static_cast<std::int32_t>(std::floor(p.x + 0.5)), static_cast<std::int32_t>(std::floor(p.y + 0.5))};
+  return PixelPosition{static_cast<std::int32_t>(std::floor(p.x + 0.5)),
+                       static_cast<std::int32_t>(std::floor(p.y + 0.5))};
 }
 
 }  // namespace depthfarm

@@ -12,10 +12,10 @@
 
 namespace depthfarm {
 
-// m of eq. (4), times the number of samples: sum over the window of the L1 difference of Y, Cb, Cr between `view` around
-// `center` and `neighbour` around `target`.
-// Open in the paper: a window that leaves a picture. Its samples outside are left out and the mean is over the rest (a
-// border is no evidence for or against); `samples` tells how many were inside both, at least 1 as both centres are.
+// m of eq. (4), times the number of samples: sum over the window of the L1 difference of Y, Cb, Cr between `view`
+// around `center` and `neighbour` around `target`. Open in the paper: a window that leaves a picture. Its samples
+// outside are left out and the mean is over the rest (a border is no evidence for or against); `samples` tells how many
+// were inside both, at least 1 as both centres are.
 struct WindowDifference {
   std::int32_t sum = 0;
   std::int32_t samples = 0;
@@ -36,8 +36,8 @@ class MatchGeometry {
   MatchGeometry(const Camera& view, const Camera& neighbour, const DepthLevels& levels);
 
   // The neighbour's pixel nearest to where the centre of a segment appears on `level`; none where the ray does not meet
-  // the plane in front of both cameras or the point leaves the neighbour's picture (no reward, no link: open in the paper).
-  // Nearest pixel, as the window of eq. (4) is of whole pixels.
+  // the plane in front of both cameras or the point leaves the neighbour's picture (no reward, no link: open in the
+  // paper). Nearest pixel, as the window of eq. (4) is of whole pixels.
   [[nodiscard]] std::optional<PixelPosition> Target(PixelPosition center, Level level) const;
 
  private:

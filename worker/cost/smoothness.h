@@ -14,7 +14,8 @@ namespace depthfarm {
 //   - the unit of |d_s - d_t|: levels counted in 1/249 of the depth range, whatever L is, so that beta_0 means the same
 //     for 50 and for 250 levels (the paper has 250): beta is scaled by 249 / (L - 1);
 //   - a distance of zero divides by zero: the distance is at least 1 grey level;
-//   - eq. (1) read literally counts each pair {s, t} twice (s in S, t in T): here once, so beta_0 = 1 is the paper's 0.5
+//   - eq. (1) read literally counts each pair {s, t} twice (s in S, t in T): here once, so beta_0 = 1 is the paper's
+//   0.5
 //     read that way;
 //   - rounding: to the nearest even number of units, at least 2 while beta_0 > 0.
 // Bound: with beta_0 <= 100, beta * (L - 1) <= 100 * 1152 * 249 < 2^25, so no capacity of a cut can overflow 32 bits.

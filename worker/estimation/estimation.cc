@@ -27,8 +27,8 @@ void AdoptDepth(const ResolvedJob& job, const FrameAnalysis& analysis, const Tem
   for (int view_index = 0; view_index < job.num_views(); ++view_index) {
     const auto v = static_cast<std::size_t>(view_index);
     const std::vector<AdoptedSegment> adopted =
-        FindUnchanged(analysis[v]->segments, references.previous_analysis[v]->segments, references.i_analysis[v]->segments,
-                      job.params.p_threshold, job.params.i_threshold);
+        FindUnchanged(analysis[v]->segments, references.previous_analysis[v]->segments,
+                      references.i_analysis[v]->segments, job.params.p_threshold, job.params.i_threshold);
     for (std::size_t s = 0; s < adopted.size(); ++s) {
       if (adopted[s].source == DepthSource::kEstimated) continue;
       const LabelField& from =
@@ -42,8 +42,9 @@ void AdoptDepth(const ResolvedJob& job, const FrameAnalysis& analysis, const Tem
 
 }  // namespace
 
-Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis, const TemporalReferences* references,
-                                 int num_blocks, int block, const std::stop_token& stop, EstimationStats* stats) {
+Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
+                                 const TemporalReferences* references, int num_blocks, int block,
+                                 const std::stop_token& stop, EstimationStats* stats) {
   if (num_blocks < 1 || num_blocks > job.params.levels || block < 0 || block >= num_blocks) {
     return InvalidArgument("block " + std::to_string(block) + " of " + std::to_string(num_blocks) + " of " +
                            std::to_string(job.params.levels) + " levels is asked for");
@@ -97,7 +98,8 @@ Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& anal
   }
   std::vector<std::uint8_t> unchanged;
   unchanged.reserve(frame.num_nodes());
-  for (const ViewLabels& view : first.views) unchanged.insert(unchanged.end(), view.unchanged.begin(), view.unchanged.end());
+  for (const ViewLabels& view : first.views)
+    unchanged.insert(unchanged.end(), view.unchanged.begin(), view.unchanged.end());
   return frame.FromNodes(fused.labels, unchanged);
 }
 

@@ -43,7 +43,8 @@ MatchLink FrameProblem::MatchAt(int view_index, const Pair& pair, PixelPosition 
   const ViewAnalysis& neighbour = *analysis_[static_cast<std::size_t>(pair.neighbour)];
   const WindowDifference difference =
       WindowColorDifference(view.picture, neighbour.picture, center, target, job_.params.matching_window);
-  return {offset(pair.neighbour) + neighbour.segments.labels(target.x, target.y), MatchReward(difference, offset_steps_)};
+  return {offset(pair.neighbour) + neighbour.segments.labels(target.x, target.y),
+          MatchReward(difference, offset_steps_)};
 }
 
 // tile: [level index][node - begin]
@@ -68,7 +69,8 @@ void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex
   }
 }
 
-std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& levels, const std::stop_token& stop) const {
+std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& levels,
+                                                     const std::stop_token& stop) const {
   const auto width = static_cast<std::size_t>(matches_per_node_);
   std::vector<MatchLink> matches(levels.size() * num_nodes() * width);
   std::vector<MatchLink> tile(levels.size() * kTileNodes);
@@ -121,7 +123,8 @@ LabelField FrameProblem::FromNodes(const std::vector<Level>& labels, const std::
   for (int view_index = 0; view_index < job_.num_views(); ++view_index) {
     const auto begin = static_cast<std::ptrdiff_t>(offset(view_index));
     const auto end = static_cast<std::ptrdiff_t>(offset(view_index + 1));
-    field.views.push_back({{labels.begin() + begin, labels.begin() + end}, {unchanged.begin() + begin, unchanged.begin() + end}});
+    field.views.push_back(
+        {{labels.begin() + begin, labels.begin() + end}, {unchanged.begin() + begin, unchanged.begin() + end}});
   }
   return field;
 }
@@ -152,11 +155,12 @@ Status CheckLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const 
   for (std::size_t i = 0; i < field.views.size(); ++i) {
     const auto segments = static_cast<std::size_t>(analysis[i]->segments.num_segments());
     const ViewLabels& view = field.views[i];
-    const bool in_range = std::all_of(view.levels.begin(), view.levels.end(),
-                                      [&](Level level) { return level < job.params.levels; });
+    const bool in_range =
+        std::all_of(view.levels.begin(), view.levels.end(), [&](Level level) { return level < job.params.levels; });
     if (view.levels.size() != segments || view.unchanged.size() != segments || !in_range) {
       return InvalidArgument("the labels of camera '" + job.views[i].camera.name + "' do not fit its " +
-                             std::to_string(segments) + " segments and " + std::to_string(job.params.levels) + " levels");
+                             std::to_string(segments) + " segments and " + std::to_string(job.params.levels) +
+                             " levels");
     }
   }
   return {};

@@ -27,14 +27,16 @@ class FrameProblem {
 
   // The matches of every node on every level of `levels` ([level index][node][slot]). Work: levels x nodes x D windows,
   // less those of levels that fall on the same pixel as the one before. Empty when cancelled.
-  [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels, const std::stop_token& stop) const;
+  [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
+                                                       const std::stop_token& stop) const;
 
   // The matches of every node on the level it holds ([node][slot]).
   [[nodiscard]] std::vector<MatchLink> MatchesOnOwnLevels(const std::vector<Level>& labels) const;
 
   // Label fields by view <-> labels by node.
   [[nodiscard]] std::vector<Level> ToNodes(const LabelField& field) const;
-  [[nodiscard]] LabelField FromNodes(const std::vector<Level>& labels, const std::vector<std::uint8_t>& unchanged) const;
+  [[nodiscard]] LabelField FromNodes(const std::vector<Level>& labels,
+                                     const std::vector<std::uint8_t>& unchanged) const;
 
  private:
   struct Pair {  // one view matched against one of its neighbours

@@ -47,7 +47,8 @@ struct ViewFiles {
 };
 ViewFiles FilesOf(const Camera& camera, int frame, const SceneCommandOptions& options) {
   const std::string name = camera.name + "/" + FrameName(frame);
-  return {name + (RawBits(options.format) > 0 ? ".yuv" : ".png"), "truth/" + name + ".pfm", "truth/" + name + "_zones.png"};
+  return {name + (RawBits(options.format) > 0 ? ".yuv" : ".png"), "truth/" + name + ".pfm",
+          "truth/" + name + "_zones.png"};
 }
 
 Status WriteView(const RenderedView& view, const ViewFiles& files, const SceneCommandOptions& options) {

@@ -86,7 +86,8 @@ class FusionCut {
 std::int64_t FusionEnergy(const FusionProblem& problem, const std::vector<std::uint8_t>& choice) {
   const auto label = [&](NodeIndex node) { return problem.labels[choice[node]][node]; };
   std::int64_t energy = 0;
-  for (const SmoothnessLink& link : *problem.smoothness) energy += Variation(link, label(link.first), label(link.second));
+  for (const SmoothnessLink& link : *problem.smoothness)
+    energy += Variation(link, label(link.first), label(link.second));
   const auto width = static_cast<std::size_t>(problem.matches_per_node);
   for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
     for (std::size_t slot = 0; slot < width; ++slot) {

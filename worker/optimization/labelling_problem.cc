@@ -21,7 +21,8 @@ std::int64_t TotalEnergy(const LabellingProblem& problem, const std::vector<Leve
     if (level_index < 0) continue;
     const MatchLink* matches = problem.Matches(static_cast<std::size_t>(level_index), node);
     for (int slot = 0; slot < problem.matches_per_node; ++slot) {
-      if (matches[slot].reward != 0 && labels[matches[slot].target] == labels[node]) energy -= matches[slot].RewardUnits();
+      if (matches[slot].reward != 0 && labels[matches[slot].target] == labels[node])
+        energy -= matches[slot].RewardUnits();
     }
   }
   return energy;

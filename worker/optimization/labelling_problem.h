@@ -20,8 +20,8 @@ struct SmoothnessLink {
   std::int32_t beta = 0;
 };
 
-// M of eq. (5) in one direction: a segment that holds some level is rewarded by `reward` match steps if `target` holds the
-// same level. reward 0: no match there. The relation is not symmetric: the target's own match is another term.
+// M of eq. (5) in one direction: a segment that holds some level is rewarded by `reward` match steps if `target` holds
+// the same level. reward 0: no match there. The relation is not symmetric: the target's own match is another term.
 struct MatchLink {
   NodeIndex target = 0;
   std::uint16_t reward = 0;
@@ -50,8 +50,8 @@ struct LabellingProblem {
 // nodes on levels outside problem.levels are not counted (no move can change them). Energy units.
 [[nodiscard]] std::int64_t TotalEnergy(const LabellingProblem& problem, const std::vector<Level>& labels);
 
-// The start of the optimisation: each free node takes the level with the largest sum of rewards, the farthest of equals.
-// Fixed nodes keep what `labels` holds.
+// The start of the optimisation: each free node takes the level with the largest sum of rewards, the farthest of
+// equals. Fixed nodes keep what `labels` holds.
 void WinnerTakesAll(const LabellingProblem& problem, std::vector<Level>& labels);
 
 }  // namespace depthfarm

@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <utility>
 
+#include "common/compression/little_endian.h"
+#include "common/compression/zstd_frame.h"
 #include "worker/segmentation/describe.h"
 #include "worker/segmentation/label_codec.h"
 #include "worker/segmentation/picture_size.h"
-#include "worker/segmentation/zstd_frame.h"
 
 namespace depthfarm {
 namespace {
@@ -19,17 +20,6 @@ constexpr std::size_t kHeaderSize = 12;  // width, height, segments
 
 using Channel = std::uint8_t Ycbcr::*;
 constexpr Channel kChannels[] = {&Ycbcr::y, &Ycbcr::cb, &Ycbcr::cr};
-
-void AppendU32(std::uint32_t value, std::string& bytes) {
-  for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>(value >> shift & 0xFFU));
-}
-
-// Requires offset + 4 <= bytes.size().
-std::uint32_t ReadU32(std::string_view bytes, std::size_t offset) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{static_cast<std::uint8_t>(bytes[offset + i])} << (8 * i);
-  return value;
-}
 
 void AppendPlane(const YcbcrImage& picture, Channel channel, std::string& bytes) {
   for (int y = 0; y < picture.height(); ++y) {

@@ -13,8 +13,8 @@ bool ChangedLessThan(const MeanColor& a, const MeanColor& b, int threshold) {
 
 }  // namespace
 
-std::vector<AdoptedSegment> FindUnchanged(const SegmentMap& current, const SegmentMap& previous, const SegmentMap& i_frame,
-                                          int p_threshold, int i_threshold) {
+std::vector<AdoptedSegment> FindUnchanged(const SegmentMap& current, const SegmentMap& previous,
+                                          const SegmentMap& i_frame, int p_threshold, int i_threshold) {
   std::vector<AdoptedSegment> result(current.means.size());
   for (std::size_t s = 0; s < result.size(); ++s) {
     const PixelPosition center = current.centers[s];

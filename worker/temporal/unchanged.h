@@ -20,9 +20,9 @@ struct AdoptedSegment {
 };
 
 // Compares each segment of one view with its collocated segments in the two reference frames of the same view.
-// Collocated (open in the paper, segmentation being made anew for each frame): the reference's segment under the segment's
-// centre. Where both conditions hold the I frame wins, T_I being the stricter: its depth never drifts.
-// All maps are of one view, equal in size. Thresholds in grey levels; 0 = nothing is unchanged by that condition.
+// Collocated (open in the paper, segmentation being made anew for each frame): the reference's segment under the
+// segment's centre. Where both conditions hold the I frame wins, T_I being the stricter: its depth never drifts. All
+// maps are of one view, equal in size. Thresholds in grey levels; 0 = nothing is unchanged by that condition.
 [[nodiscard]] std::vector<AdoptedSegment> FindUnchanged(const SegmentMap& current, const SegmentMap& previous,
                                                         const SegmentMap& i_frame, int p_threshold, int i_threshold);
 

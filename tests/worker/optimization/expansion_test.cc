@@ -37,7 +37,8 @@ TEST(Expansion, MovesAreThoseOfTheOracleAndEnergyIsTracked) {
   for (std::uint64_t seed = 0; seed < 150; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    RandomProblem p = MakeRandomProblem(random, random.Int(3, 30), random.Int(2, 3), random.Int(2, 6), seed % 3 == 0 ? 30 : 0);
+    RandomProblem p =
+        MakeRandomProblem(random, random.Int(3, 30), random.Int(2, 3), random.Int(2, 6), seed % 3 == 0 ? 30 : 0);
     std::vector<Level> labels = p.labels;
     Expansion expansion(p.problem, labels);
     for (int sweep = 0; sweep < 2; ++sweep) {
@@ -54,7 +55,8 @@ TEST(Expansion, MovesAreThoseOfTheOracleAndEnergyIsTracked) {
   }
 }
 
-TEST(Expansion, FindsTheOptimumOfTwoLevels) {  // against brute force: with two levels one move from the other level is global
+TEST(Expansion,
+     FindsTheOptimumOfTwoLevels) {  // against brute force: with two levels one move from the other level is global
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Random random(seed);
     RandomProblem p = MakeRandomProblem(random, 6, 2, 2, 0);
@@ -64,7 +66,8 @@ TEST(Expansion, FindsTheOptimumOfTwoLevels) {  // against brute force: with two 
     std::int64_t best = 0;
     for (unsigned bits = 0; bits < (1U << p.problem.num_nodes); ++bits) {
       std::vector<Level> candidate;
-      for (NodeIndex node = 0; node < p.problem.num_nodes; ++node) candidate.push_back(p.problem.levels[(bits >> node) & 1U]);
+      for (NodeIndex node = 0; node < p.problem.num_nodes; ++node)
+        candidate.push_back(p.problem.levels[(bits >> node) & 1U]);
       best = std::min(best, test::EnergyPlainly(p.problem, candidate));
       if (bits == 0) best = test::EnergyPlainly(p.problem, candidate);
     }

@@ -41,7 +41,8 @@ CutProblem RandomCut(Random& random, int width, int height, int max_capacity) {
 void ExpectSameCut(const CutProblem& problem, MaxFlow& flow) {
   const CutSolution oracle = test::SolveCutPlainly(problem);
   flow.Reset(static_cast<MaxFlow::Node>(problem.from_source.size()));
-  std::int64_t direct = 0;  // what flows source -> node -> sink without an edge: the oracle counts it, a terminal sum does not
+  std::int64_t direct =
+      0;  // what flows source -> node -> sink without an edge: the oracle counts it, a terminal sum does not
   for (std::size_t i = 0; i < problem.from_source.size(); ++i) {
     flow.AddTerminal(static_cast<MaxFlow::Node>(i), problem.from_source[i] - problem.to_sink[i]);
     direct += std::min(problem.from_source[i], problem.to_sink[i]);
@@ -86,10 +87,12 @@ TEST(MaxFlow, AgreesWithBruteForceOverAllCutsOfTinyGraphs) {
     const CutProblem problem = RandomCut(random, random.Int(1, 4), random.Int(1, 2), 3);
     const auto nodes = static_cast<unsigned>(problem.from_source.size());
     std::int64_t least = -1;
-    unsigned smallest = 0;  // minimum cuts are closed under intersection: the one with fewest nodes is the canonical one
+    unsigned smallest =
+        0;  // minimum cuts are closed under intersection: the one with fewest nodes is the canonical one
     for (unsigned side = 0; side < (1U << nodes); ++side) {
       std::int64_t cost = 0;
-      for (unsigned i = 0; i < nodes; ++i) cost += ((side >> i) & 1U) != 0 ? problem.to_sink[i] : problem.from_source[i];
+      for (unsigned i = 0; i < nodes; ++i)
+        cost += ((side >> i) & 1U) != 0 ? problem.to_sink[i] : problem.from_source[i];
       for (const CutProblem::Edge& edge : problem.edges) {
         if (((side >> edge.u) & 1U) != ((side >> edge.v) & 1U)) cost += edge.forth;
       }

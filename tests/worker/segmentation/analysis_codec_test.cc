@@ -7,9 +7,9 @@
 #include <random>
 #include <string>
 
+#include "common/compression/zstd_frame.h"
 #include "tests/worker/segmentation/test_pictures.h"
 #include "worker/segmentation/label_codec.h"
-#include "worker/segmentation/zstd_frame.h"
 
 namespace depthfarm {
 namespace {

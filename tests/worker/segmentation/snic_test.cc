@@ -133,7 +133,7 @@ TEST(Snic, CutsAConstantPictureIntoCompactSegments) {
   }
 }
 
-TEST(Snic, LargerCompactnessGivesSmallerSegmentsExtents) {
+TEST(Snic, LargerCompactnessKeepsPixelsNearerToTheirCenters) {
   const YcbcrImage picture = NoisePicture(90, 90, 9);
   const auto spread = [&](double compactness) {
     const Grid<SegmentIndex> labels = SegmentSnic(picture, 81, compactness).value();

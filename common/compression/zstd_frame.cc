@@ -1,4 +1,4 @@
-#include "worker/segmentation/zstd_frame.h"
+#include "common/compression/zstd_frame.h"
 
 #include <zstd.h>
 

@@ -1,5 +1,5 @@
-#ifndef DEPTHFARM_WORKER_SEGMENTATION_ZSTD_FRAME_H_
-#define DEPTHFARM_WORKER_SEGMENTATION_ZSTD_FRAME_H_
+#ifndef DEPTHFARM_COMMON_COMPRESSION_ZSTD_FRAME_H_
+#define DEPTHFARM_COMMON_COMPRESSION_ZSTD_FRAME_H_
 
 #include <cstddef>
 #include <string>
@@ -22,4 +22,4 @@ void AppendZstdFrame(std::string_view content, std::string& bytes);
 
 }  // namespace depthfarm
 
-#endif  // DEPTHFARM_WORKER_SEGMENTATION_ZSTD_FRAME_H_
+#endif  // DEPTHFARM_COMMON_COMPRESSION_ZSTD_FRAME_H_
