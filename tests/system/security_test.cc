@@ -1,9 +1,8 @@
 // Keys: who may talk to a farm over tcp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
+
+#include <optional>
 
 #include "tests/system/support.h"
 
@@ -12,19 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::SizeIs;
-
-// A loopback endpoint whose port was free a moment ago.
-std::string FreeLoopbackEndpoint() {
-  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address = {};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof(address);
-  auto* generic = reinterpret_cast<sockaddr*>(&address);
-  const bool bound = ::bind(descriptor, generic, size) == 0 && ::getsockname(descriptor, generic, &size) == 0;
-  ::close(descriptor);
-  return bound ? "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) : "";
-}
 
 fs::perms Mode(const fs::path& file) { return fs::status(file).permissions(); }
 
@@ -54,7 +40,7 @@ class Curve : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_EQ(Depthfarm({"keygen", "-o", keys_}).exit_code, 0);
-    farm_.emplace(FreeLoopbackEndpoint(), keys_);
+    farm_.emplace("tcp://127.0.0.1:*", keys_);
     ASSERT_TRUE(farm_->ok()) << farm_->problem();
   }
 

@@ -162,6 +162,20 @@ Farm::Farm(const std::string& endpoint, const std::string& keys)
     return;
   }
   coordinator_.emplace(std::move(*coordinator));
+  // It says where it is bound in fact: the port may have been left open.
+  const std::string announcement = "listening on ";
+  const bool announced = WaitUntil([&] {
+    const std::string log = ReadFile(folder_ / "coordinator.log");
+    const std::size_t start = log.find(announcement);
+    const std::size_t end = start == std::string::npos ? start : log.find('\n', start);
+    if (end != std::string::npos)
+      endpoint_ = log.substr(start + announcement.size(), end - start - announcement.size());
+    return end != std::string::npos || coordinator_->Poll().has_value();
+  });
+  if (!announced || coordinator_->Poll()) {
+    problem_ = "the coordinator does not listen\n" + Logs();
+    return;
+  }
   Result<std::unique_ptr<Client>> client = Client::Connect(
       {.endpoint = endpoint_, .keys_dir = keys_, .insecure = keys_.empty()},
       {.timeout = std::chrono::milliseconds(kDeadline), .stop = [this] { return coordinator_->Poll().has_value(); }});

@@ -83,7 +83,8 @@ struct SceneSize {
 // A farm of separate processes that the test controls.
 class Farm {
  public:
-  // Listens on `endpoint` ("" = ipc in a private folder); `keys` for CURVE. Returns once it answers.
+  // Listens on `endpoint` ("" = ipc in a private folder; a port "*" is a free one); `keys` for CURVE. Returns once it
+  // answers.
   explicit Farm(const std::string& endpoint = "", const std::string& keys = "");
   [[nodiscard]] bool ok() const { return problem_.empty(); }
   [[nodiscard]] const std::string& problem() const { return problem_; }
