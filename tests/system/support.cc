@@ -189,7 +189,7 @@ Farm::Farm(const std::string& endpoint, const std::string& keys)
 
 int Farm::AddWorker() {
   const std::string name = "worker-" + std::to_string(workers_.size());
-  std::vector<std::string> arguments = {"--coordinator", endpoint_, "--cache", folder_ / (name + "-cache")};
+  std::vector<std::string> arguments = {"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")};
   if (!keys_.empty()) arguments = arguments + std::vector<std::string>{"--keys", keys_};
   Result<ChildProcess> worker = ChildProcess::Start(Program("depthfarm-worker"), arguments, folder_ / (name + ".log"));
   if (!worker.ok()) {
