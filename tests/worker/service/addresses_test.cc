@@ -17,10 +17,14 @@ TEST(DefaultArtifactEndpoint, IsAsPrivateAsTheCoordinators) {
 }
 
 TEST(AdvertisedEndpoint, NamesAHostThatOthersCanConnectTo) {
-  EXPECT_EQ(AdvertisedEndpoint("tcp://0.0.0.0:4711", "render-07", false).value(), "tcp://render-07:4711");
-  EXPECT_EQ(AdvertisedEndpoint("tcp://127.0.0.1:4711", "render-07", false).value(), "tcp://127.0.0.1:4711");
-  EXPECT_EQ(AdvertisedEndpoint("tcp://10.0.0.7:4711", "gateway", true).value(), "tcp://gateway:4711");
-  EXPECT_EQ(AdvertisedEndpoint("ipc:///run/farm/a", "render-07", true).value(), "ipc:///run/farm/a");
+  const auto advertised = [](const std::string& listen, const std::string& bound, bool host_was_named) {
+    return AdvertisedEndpoint(ParseEndpoint(listen).value(), bound, "render-07", host_was_named).value();
+  };
+  EXPECT_EQ(advertised("tcp://*:*", "tcp://[::]:4711", false), "tcp://render-07:4711");
+  EXPECT_EQ(advertised("tcp://0.0.0.0:4711", "tcp://0.0.0.0:4711", false), "tcp://render-07:4711");
+  EXPECT_EQ(advertised("tcp://127.0.0.1:*", "tcp://[::ffff:127.0.0.1]:4711", false), "tcp://127.0.0.1:4711");
+  EXPECT_EQ(advertised("tcp://10.0.0.7:*", "tcp://10.0.0.7:4711", true), "tcp://render-07:4711");
+  EXPECT_EQ(advertised("ipc:///run/farm/a", "ipc:///run/farm/a", true), "ipc:///run/farm/a");
 }
 
 }  // namespace
