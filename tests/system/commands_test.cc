@@ -23,15 +23,14 @@ TEST(Commands, SubmitStatusWatchJobsAndWorkersTellOfAJob) {
   farm.AddWorker();
   const std::string output = folder / "out";
 
-  const Outcome submitted =
-      Depthfarm(std::vector<std::string>{"submit", sequence, "-o", output, "--name", "little", "--priority", "3"} +
-                SmallJob() + farm.Options());
+  const Outcome submitted = Depthfarm(Words{"submit", sequence, "-o", output, "--name", "little", "--priority", "3"} +
+                                      SmallJob() + farm.Options());
   ASSERT_EQ(submitted.exit_code, 0) << submitted.output << farm.Logs();
   const std::string job = submitted.output.substr(submitted.output.rfind('\n', submitted.output.size() - 2) + 1);
   const std::string job_id = job.substr(0, job.size() - 1);
   ASSERT_THAT(job_id, testing::MatchesRegex("[0-9]+")) << submitted.output;
 
-  const Outcome watched = Depthfarm(std::vector<std::string>{"watch", job_id, "--json"} + farm.Options());
+  const Outcome watched = Depthfarm(Words{"watch", job_id, "--json"} + farm.Options());
   EXPECT_EQ(watched.exit_code, 0) << watched.output << farm.Logs();
   const nlohmann::json last = ParseJsonTail(watched.output);
   ASSERT_FALSE(last.is_discarded()) << watched.output;
@@ -44,17 +43,15 @@ TEST(Commands, SubmitStatusWatchJobsAndWorkersTellOfAJob) {
   EXPECT_EQ(last["outputDir"], output);
   EXPECT_FALSE(last["stages"].empty());
 
-  const Outcome status = Depthfarm(std::vector<std::string>{"status", job_id} + farm.Options());
+  const Outcome status = Depthfarm(Words{"status", job_id} + farm.Options());
   EXPECT_EQ(status.exit_code, 0) << status.output;
   EXPECT_THAT(status.output, AllOf(HasSubstr("'little'"), HasSubstr("done"), HasSubstr("4/4"), HasSubstr("estimate")));
 
-  const nlohmann::json jobs =
-      ParseJsonTail(Depthfarm(std::vector<std::string>{"jobs", "--json"} + farm.Options()).output);
+  const nlohmann::json jobs = ParseJsonTail(Depthfarm(Words{"jobs", "--json"} + farm.Options()).output);
   ASSERT_THAT(jobs, SizeIs(1));
   EXPECT_EQ(std::to_string(jobs[0]["job"].get<int>()), job_id);
 
-  const nlohmann::json workers =
-      ParseJsonTail(Depthfarm(std::vector<std::string>{"workers", "--json"} + farm.Options()).output);
+  const nlohmann::json workers = ParseJsonTail(Depthfarm(Words{"workers", "--json"} + farm.Options()).output);
   ASSERT_THAT(workers, SizeIs(1));
   EXPECT_GT(workers[0]["tasksDone"].get<int>(), 0);
 
@@ -68,8 +65,7 @@ TEST(Commands, SubmitWithWaitEndsWithTheJob) {
   ASSERT_TRUE(farm.ok()) << farm.problem();
   farm.AddWorker();
   const Outcome waited =
-      Depthfarm(std::vector<std::string>{"submit", sequence, "-o", folder / "out", "--wait", "--json"} + SmallJob() +
-                farm.Options());
+      Depthfarm(Words{"submit", sequence, "-o", folder / "out", "--wait", "--json"} + SmallJob() + farm.Options());
   EXPECT_EQ(waited.exit_code, 0) << waited.output << farm.Logs();
   const nlohmann::json last = ParseJsonTail(waited.output);
   ASSERT_FALSE(last.is_discarded()) << waited.output;
@@ -81,7 +77,7 @@ TEST(Commands, AnUnknownJobIsBadInput) {
   Farm farm;
   ASSERT_TRUE(farm.ok()) << farm.problem();
   for (const char* command : {"status", "watch", "cancel"}) {
-    const Outcome outcome = Depthfarm(std::vector<std::string>{command, "77"} + farm.Options());
+    const Outcome outcome = Depthfarm(Words{command, "77"} + farm.Options());
     EXPECT_EQ(outcome.exit_code, 2) << command << ": " << outcome.output;
     EXPECT_THAT(outcome.output, HasSubstr("77")) << command;
   }
@@ -91,8 +87,7 @@ TEST(Commands, RunWritesRunJsonAndPrintsASummary) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 2});
   const std::string output = folder / "out";
-  const Outcome run =
-      Depthfarm(std::vector<std::string>{"run", sequence, "-o", output, "--workers", "1", "--json"} + SmallJob());
+  const Outcome run = Depthfarm(Words{"run", sequence, "-o", output, "--workers", "1", "--json"} + SmallJob());
   ASSERT_EQ(run.exit_code, 0) << run.output;
   const nlohmann::json printed = ParseJsonTail(run.output);
   const nlohmann::json written = nlohmann::json::parse(ReadFile(fs::path(output) / "run.json"), nullptr, false);
@@ -107,19 +102,19 @@ TEST(ExitCodes, BadInputIsTwoBeforeAnythingIsStarted) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 2});
   const std::string output = folder / "out";
-  const std::vector<std::string> run = {"run", sequence, "-o", output};
-  const auto expect_refused = [&](const std::vector<std::string>& words, const std::string& reason) {
+  const Words run = {"run", sequence, "-o", output};
+  const auto expect_refused = [&](const Words& words, const std::string& reason) {
     const Outcome outcome = Depthfarm(words);
     EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
     EXPECT_THAT(outcome.output, HasSubstr(reason));
     EXPECT_FALSE(fs::exists(output)) << "a job was started";
   };
   expect_refused({"run", folder / "none.json", "-o", output}, "none.json");
-  expect_refused(run + std::vector<std::string>{"--levels", "1"}, "levels is 1");
-  expect_refused(run + std::vector<std::string>{"--frames", "0:9"}, "frames");
-  expect_refused(run + std::vector<std::string>{"--views", "nobody"}, "nobody");
-  expect_refused(run + std::vector<std::string>{"--levels", "4", "--level-blocks", "5"}, "level-blocks");
-  expect_refused(run + std::vector<std::string>{"--params", folder / "none.params"}, "none.params");
+  expect_refused(run + Words{"--levels", "1"}, "levels is 1");
+  expect_refused(run + Words{"--frames", "0:9"}, "frames");
+  expect_refused(run + Words{"--views", "nobody"}, "nobody");
+  expect_refused(run + Words{"--levels", "4", "--level-blocks", "5"}, "level-blocks");
+  expect_refused(run + Words{"--params", folder / "none.params"}, "none.params");
 }
 
 TEST(ExitCodes, AMissingPictureIsNamedWithCameraAndFrame) {
@@ -134,7 +129,7 @@ TEST(ExitCodes, AMissingPictureIsNamedWithCameraAndFrame) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.output, AllOf(HasSubstr("camera '" + camera + "'"), HasSubstr("frame 1"), HasSubstr(picture)));
   EXPECT_FALSE(fs::exists(folder / "out"));
-  const Outcome without = Depthfarm({"run", sequence, "-o", folder / "out", "--frames", ":1"} + SmallJob());
+  const Outcome without = Depthfarm(Words{"run", sequence, "-o", folder / "out", "--frames", ":1"} + SmallJob());
   EXPECT_EQ(without.exit_code, 0) << "frame 0 needs no picture of frame 1\n" << without.output;
 }
 

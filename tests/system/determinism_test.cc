@@ -17,10 +17,10 @@ class Determinism : public testing::Test {
   void SetUp() override { sequence_ = RenderScene(folder_.path() / "scene"); }
 
   // Runs the scene on `workers` workers and returns its depth.
-  std::map<std::string, std::string> Run(int workers, const std::vector<std::string>& options) {
+  std::map<std::string, std::string> Run(int workers, const Words& options) {
     const std::string output = folder_ / ("out-" + std::to_string(++runs_));
     const Outcome run =
-        Depthfarm({"run", sequence_, "-o", output, "--workers", std::to_string(workers)} + SmallJob() + options);
+        Depthfarm(Words{"run", sequence_, "-o", output, "--workers", std::to_string(workers)} + SmallJob() + options);
     EXPECT_EQ(run.exit_code, 0) << run.output;
     EXPECT_THAT(Leftovers(output), IsEmpty());
     return DepthOf(output);
@@ -53,8 +53,7 @@ struct Split {
 class DeterminismOfSplit : public Determinism, public testing::WithParamInterface<Split> {};
 
 TEST_P(DeterminismOfSplit, OneAndThreeWorkersGiveTheSameBytes) {
-  const std::vector<std::string> options = {"--level-blocks", std::to_string(GetParam().blocks), "--partition",
-                                            GetParam().partition};
+  const Words options = {"--level-blocks", std::to_string(GetParam().blocks), "--partition", GetParam().partition};
   const auto one = Run(1, options);
   EXPECT_THAT(one, SizeIs(3 * 4 + 1));
   EXPECT_THAT(Differences(one, Run(3, options)), IsEmpty());
@@ -64,8 +63,8 @@ INSTANTIATE_TEST_SUITE_P(All, DeterminismOfSplit,
                          testing::Values(Split{1, "interleaved"}, Split{2, "interleaved"}, Split{4, "interleaved"},
                                          Split{6, "interleaved"}, Split{2, "blocks"}, Split{4, "blocks"},
                                          Split{6, "blocks"}),
-                         [](const testing::TestParamInfo<Split>& info) {
-                           return std::string(info.param.partition) + std::to_string(info.param.blocks);
+                         [](const testing::TestParamInfo<Split>& split) {
+                           return std::string(split.param.partition) + std::to_string(split.param.blocks);
                          });
 
 TEST_F(Determinism, OneBlockIsOneBlockInEitherPartition) {

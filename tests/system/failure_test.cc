@@ -22,9 +22,7 @@ std::uint64_t TasksDone(const v1::JobStatus& job) {
 }
 
 // Long enough that something can happen in the middle: 4 GOPs, finer segments.
-std::vector<std::string> LongerJob() {
-  return {"--segments", "1500", "--levels", "48", "--gop", "2", "--level-blocks", "4"};
-}
+Words LongerJob() { return {"--segments", "1500", "--levels", "48", "--gop", "2", "--level-blocks", "4"}; }
 
 class Failure : public testing::Test {
  protected:
@@ -33,13 +31,14 @@ class Failure : public testing::Test {
   // What the longer job gives when nothing goes wrong.
   std::map<std::string, std::string> Undisturbed() {
     const std::string output = folder_ / "undisturbed";
-    const Outcome run = Depthfarm({"run", sequence_, "-o", output, "--workers", "2"} + LongerJob());
+    const Outcome run = Depthfarm(Words{"run", sequence_, "-o", output, "--workers", "2"} + LongerJob());
     EXPECT_EQ(run.exit_code, 0) << run.output;
     return DepthOf(output);
   }
 
   std::uint64_t Submit(Farm& farm, const std::string& output) {
-    const Outcome submitted = Depthfarm({"submit", sequence_, "-o", output, "--json"} + LongerJob() + farm.Options());
+    const Outcome submitted =
+        Depthfarm(Words{"submit", sequence_, "-o", output, "--json"} + LongerJob() + farm.Options());
     EXPECT_EQ(submitted.exit_code, 0) << submitted.output << farm.Logs();
     const nlohmann::json json = ParseJsonTail(submitted.output);
     return json.contains("job") ? json["job"].get<std::uint64_t>() : 0;
@@ -111,7 +110,7 @@ TEST_F(Failure, CancelLeavesNoPartialFiles) {
   const std::string output = folder_ / "cancelled";
   const std::uint64_t job_id = Submit(farm, output);
   ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, 6));
-  const Outcome cancelled = Depthfarm(std::vector<std::string>{"cancel", std::to_string(job_id)} + farm.Options());
+  const Outcome cancelled = Depthfarm(Words{"cancel", std::to_string(job_id)} + farm.Options());
   EXPECT_EQ(cancelled.exit_code, 0) << cancelled.output;
   EXPECT_EQ(WaitForTheEnd(farm, job_id).state(), v1::JOB_STATE_CANCELLED) << farm.Logs();
   EXPECT_TRUE(WaitUntil([&] { return Leftovers(output).empty(); }))
@@ -126,8 +125,7 @@ class RunInBackground : public Failure {
     Failure::SetUp();
     ::setenv("TMPDIR", temporary_root_.path().c_str(), 1);
     output_ = folder_ / "run";
-    const std::vector<std::string> words =
-        std::vector<std::string>{"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob();
+    const Words words = Words{"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob();
     Result<ChildProcess> run = ChildProcess::Start(Program("depthfarm"), words, folder_ / "run.log");
     ASSERT_TRUE(run.ok()) << run.status().message();
     run_.emplace(std::move(*run));
@@ -196,7 +194,7 @@ TEST_F(RunInBackground, ItsFolderIsFitForTheNextRunAfterAnInterruption) {
   const std::optional<ProcessEnd> end = run_->WaitFor(kDeadline);
   ASSERT_TRUE(end.has_value()) << Log();
   EXPECT_EQ(end->exit_code, 130) << Log();
-  const Outcome again = Depthfarm({"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob());
+  const Outcome again = Depthfarm(Words{"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob());
   EXPECT_EQ(again.exit_code, 0) << again.output;
   EXPECT_THAT(Differences(Undisturbed(), DepthOf(output_)), IsEmpty());
 }

@@ -54,9 +54,8 @@ TEST_F(Curve, AJobRunsOverTcpWithTheFarmsKeys) {
   farm_->AddWorker();
   const std::string sequence = RenderScene(folder_.path() / "scene");
   const std::string output = folder_ / "out";
-  const Outcome waited =
-      Depthfarm(std::vector<std::string>{"submit", sequence, "-o", output, "--wait", "--level-blocks", "4"} +
-                SmallJob() + farm_->Options());
+  const Outcome waited = Depthfarm(Words{"submit", sequence, "-o", output, "--wait", "--level-blocks", "4"} +
+                                   SmallJob() + farm_->Options());
   EXPECT_EQ(waited.exit_code, 0) << waited.output << farm_->Logs();
   EXPECT_THAT(DepthOf(output), SizeIs(3 * 4 + 1));
 }

@@ -41,7 +41,7 @@ std::string ReadFile(const fs::path& file) {
   return text.str();
 }
 
-Outcome RunProgram(const std::string& name, const std::vector<std::string>& arguments) {
+Outcome RunProgram(const std::string& name, const Words& arguments) {
   const TemporaryFolder folder;
   const fs::path output = folder / "output";
   Result<ChildProcess> child = ChildProcess::Start(Program(name), arguments, output);
@@ -54,7 +54,7 @@ Outcome RunProgram(const std::string& name, const std::vector<std::string>& argu
   return outcome;
 }
 
-Outcome Depthfarm(const std::vector<std::string>& words) { return RunProgram("depthfarm", words); }
+Outcome Depthfarm(const Words& words) { return RunProgram("depthfarm", words); }
 
 nlohmann::json ParseJsonTail(const std::string& output) {
   for (std::size_t at = 0; at < output.size();) {
@@ -76,9 +76,9 @@ std::string RenderScene(const fs::path& folder, const SceneSize& size) {
   return rendered.exit_code == 0 ? (folder / "sequence.json").string() : "scene failed: " + rendered.output;
 }
 
-std::vector<std::string> SmallJob() { return {"--segments", "600", "--levels", "24", "--gop", "2"}; }
+Words SmallJob() { return {"--segments", "600", "--levels", "24", "--gop", "2"}; }
 
-std::vector<std::string> operator+(std::vector<std::string> first, const std::vector<std::string>& second) {
+Words operator+(Words first, const Words& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
 }
@@ -93,8 +93,7 @@ std::map<std::string, std::string> DepthOf(const fs::path& output_dir) {
   return files;
 }
 
-std::vector<std::string> Differences(const std::map<std::string, std::string>& first,
-                                     const std::map<std::string, std::string>& second) {
+Words Differences(const std::map<std::string, std::string>& first, const std::map<std::string, std::string>& second) {
   std::set<std::string> names;
   for (const auto& [name, content] : first) {
     const auto other = second.find(name);
@@ -106,8 +105,8 @@ std::vector<std::string> Differences(const std::map<std::string, std::string>& f
   return {names.begin(), names.end()};
 }
 
-std::vector<std::string> Leftovers(const fs::path& output_dir) {
-  std::vector<std::string> names;
+Words Leftovers(const fs::path& output_dir) {
+  Words names;
   std::error_code error;
   for (const auto& entry : fs::recursive_directory_iterator(output_dir, error)) {
     const std::string name = fs::relative(entry.path(), output_dir).string();
@@ -153,8 +152,8 @@ bool IsGone(pid_t pid) {
 
 Farm::Farm(const std::string& endpoint, const std::string& keys)
     : endpoint_(endpoint.empty() ? "ipc://" + (folder_ / "coordinator") : endpoint), keys_(keys) {
-  std::vector<std::string> arguments = {"--listen", endpoint_};
-  if (!keys_.empty()) arguments = arguments + std::vector<std::string>{"--keys", keys_};
+  Words arguments = {"--listen", endpoint_};
+  if (!keys_.empty()) arguments = arguments + Words{"--keys", keys_};
   Result<ChildProcess> coordinator =
       ChildProcess::Start(Program("depthfarm-coordinator"), arguments, folder_ / "coordinator.log");
   if (!coordinator.ok()) {
@@ -189,8 +188,8 @@ Farm::Farm(const std::string& endpoint, const std::string& keys)
 
 int Farm::AddWorker() {
   const std::string name = "worker-" + std::to_string(workers_.size());
-  std::vector<std::string> arguments = {"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")};
-  if (!keys_.empty()) arguments = arguments + std::vector<std::string>{"--keys", keys_};
+  Words arguments = {"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")};
+  if (!keys_.empty()) arguments = arguments + Words{"--keys", keys_};
   Result<ChildProcess> worker = ChildProcess::Start(Program("depthfarm-worker"), arguments, folder_ / (name + ".log"));
   if (!worker.ok()) {
     problem_ = worker.status().message();
@@ -200,9 +199,9 @@ int Farm::AddWorker() {
   return static_cast<int>(workers_.size()) - 1;
 }
 
-std::vector<std::string> Farm::Options() const {
-  std::vector<std::string> options = {"--coordinator", endpoint_};
-  return keys_.empty() ? options : options + std::vector<std::string>{"--keys", keys_};
+Words Farm::Options() const {
+  Words options = {"--coordinator", endpoint_};
+  return keys_.empty() ? options : options + Words{"--keys", keys_};
 }
 
 std::string Farm::Logs() const {

@@ -18,6 +18,8 @@
 
 namespace depthfarm::system_test {
 
+using Words = std::vector<std::string>;
+
 // How long an observable condition may take on a busy machine; never waited out by a test that passes.
 inline constexpr std::chrono::seconds kDeadline{120};
 
@@ -48,9 +50,9 @@ struct Outcome {
   std::string output;  // stdout and stderr together
 };
 // Runs a program of ours to its end.
-[[nodiscard]] Outcome RunProgram(const std::string& name, const std::vector<std::string>& arguments);
+[[nodiscard]] Outcome RunProgram(const std::string& name, const Words& arguments);
 // `depthfarm` with these words. The same, but of stdout and stderr only what is JSON on stdout: see ParseJsonTail.
-[[nodiscard]] Outcome Depthfarm(const std::vector<std::string>& words);
+[[nodiscard]] Outcome Depthfarm(const Words& words);
 // The JSON document that ends `output` (progress may come before it); discarded when there is none.
 [[nodiscard]] nlohmann::json ParseJsonTail(const std::string& output);
 
@@ -63,17 +65,16 @@ struct SceneSize {
 [[nodiscard]] std::string RenderScene(const std::filesystem::path& folder, const SceneSize& size = {});
 
 // Estimation options that make a run of RenderScene's scene take a second or so: 2 GOPs, 24 levels.
-[[nodiscard]] std::vector<std::string> SmallJob();
-[[nodiscard]] std::vector<std::string> operator+(std::vector<std::string> first,
-                                                 const std::vector<std::string>& second);
+[[nodiscard]] Words SmallJob();
+[[nodiscard]] Words operator+(Words first, const Words& second);
 
 // Relative path -> content of depth.json and every file below DIR/depth.
 [[nodiscard]] std::map<std::string, std::string> DepthOf(const std::filesystem::path& output_dir);
 // The names that differ, for a readable failure.
-[[nodiscard]] std::vector<std::string> Differences(const std::map<std::string, std::string>& first,
-                                                   const std::map<std::string, std::string>& second);
+[[nodiscard]] Words Differences(const std::map<std::string, std::string>& first,
+                                const std::map<std::string, std::string>& second);
 // Names of everything in `output_dir` that a finished or cancelled job must not leave.
-[[nodiscard]] std::vector<std::string> Leftovers(const std::filesystem::path& output_dir);
+[[nodiscard]] Words Leftovers(const std::filesystem::path& output_dir);
 
 // Processes whose parent is `parent` and whose program is called `program` (both as /proc tells).
 [[nodiscard]] std::vector<pid_t> ChildrenOf(pid_t parent, const std::string& program);
@@ -94,7 +95,7 @@ class Farm {
   [[nodiscard]] ChildProcess& worker(int index) { return workers_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] Client& client() { return *client_; }
   // Options that make `depthfarm` talk to this farm.
-  [[nodiscard]] std::vector<std::string> Options() const;
+  [[nodiscard]] Words Options() const;
   [[nodiscard]] std::string Logs() const;
 
  private:
