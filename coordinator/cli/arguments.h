@@ -22,6 +22,7 @@ struct FarmArguments {
   std::string coordinator = "tcp://127.0.0.1:7700";
   std::string keys;  // folder with client.key and coordinator.pub
   bool insecure = false;
+  double timeout_seconds = 10;  // for one answer
 };
 
 struct LocalFarmArguments {

@@ -74,6 +74,11 @@ void AddFarmOptions(CLI::App& app, FarmArguments& farm) {
       ->envname("DEPTHFARM_KEYS")
       ->group(group);
   app.add_flag("--insecure", farm.insecure, "No encryption and no keys: loopback addresses only")->group(group);
+  app.add_option("--timeout", farm.timeout_seconds, "Seconds to wait for an answer of the coordinator")
+      ->type_name("S")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str()
+      ->group(group);
 }
 
 void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }

@@ -1,4 +1,5 @@
 #include <chrono>
+#include <cmath>
 #include <iostream>
 
 #include "common/transport/farm_keys.h"
@@ -16,8 +17,9 @@ namespace {
 constexpr std::chrono::milliseconds kWatchInterval{500};
 
 Result<std::unique_ptr<Client>> ConnectTo(const FarmArguments& farm) {
-  return Client::Connect({.endpoint = farm.coordinator, .keys_dir = farm.keys, .insecure = farm.insecure},
-                         {.stop = Interrupted});
+  return Client::Connect(
+      {.endpoint = farm.coordinator, .keys_dir = farm.keys, .insecure = farm.insecure},
+      {.timeout = std::chrono::milliseconds(std::llround(farm.timeout_seconds * 1000)), .stop = Interrupted});
 }
 
 // Watches a job until it ends and prints how it ended.

@@ -145,7 +145,7 @@ TEST(ExitCodes, SomebodyElsesDepthFolderIsLeftAlone) {
 
 TEST(ExitCodes, NoCoordinatorIsThree) {
   const TemporaryFolder folder;
-  const Outcome jobs = Depthfarm({"jobs", "--coordinator", "ipc://" + (folder / "nobody")});
+  const Outcome jobs = Depthfarm({"jobs", "--coordinator", "ipc://" + (folder / "nobody"), "--timeout", "1"});
   EXPECT_EQ(jobs.exit_code, 3) << jobs.output;
   EXPECT_THAT(jobs.output, HasSubstr("no answer"));
 }

@@ -66,7 +66,7 @@ TEST_F(Curve, AKeyThatIsNotAuthorizedIsRefused) {
   // It knows the coordinator, but the coordinator does not know it.
   fs::copy_file(fs::path(keys_) / "coordinator.pub", fs::path(others) / "coordinator.pub",
                 fs::copy_options::overwrite_existing);
-  const Outcome refused = Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", others});
+  const Outcome refused = Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", others, "--timeout", "2"});
   EXPECT_EQ(refused.exit_code, 3) << refused.output;
   const Outcome admitted = Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", keys_});
   EXPECT_EQ(admitted.exit_code, 0) << admitted.output;
@@ -77,11 +77,11 @@ TEST_F(Curve, AnotherCoordinatorsKeyIsNotBelieved) {
   ASSERT_EQ(Depthfarm({"keygen", "-o", others}).exit_code, 0);
   fs::copy_file(fs::path(others) / "coordinator.pub", fs::path(keys_) / "coordinator.pub",
                 fs::copy_options::overwrite_existing);
-  EXPECT_EQ(Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", keys_}).exit_code, 3);
+  EXPECT_EQ(Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", keys_, "--timeout", "2"}).exit_code, 3);
 }
 
 TEST_F(Curve, AClientWithoutKeysGetsNoAnswer) {
-  EXPECT_EQ(Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--insecure"}).exit_code, 3);
+  EXPECT_EQ(Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--insecure", "--timeout", "2"}).exit_code, 3);
 }
 
 TEST_F(Curve, AKeyFileThatOthersCanReadIsRefused) {
@@ -100,6 +100,19 @@ TEST_F(Curve, AWorkersKeyMaySubmitNothing) {
   fs::permissions(impostor / "client.key", fs::perms::owner_read | fs::perms::owner_write);
   const Outcome refused = Depthfarm({"cancel", "1", "--coordinator", farm_->endpoint(), "--keys", impostor.string()});
   EXPECT_EQ(refused.exit_code, 2) << refused.output;
+}
+
+TEST(Insecure, AJobRunsOverLoopbackTcpWithoutKeys) {
+  Farm farm("tcp://127.0.0.1:*");
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker();
+  farm.AddWorker();
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene");
+  const Outcome waited = Depthfarm(Words{"submit", sequence, "-o", folder / "out", "--wait", "--level-blocks", "4"} +
+                                   SmallJob() + farm.Options());
+  EXPECT_EQ(waited.exit_code, 0) << waited.output << farm.Logs();
+  EXPECT_THAT(DepthOf(folder / "out"), SizeIs(3 * 4 + 1));
 }
 
 }  // namespace

@@ -152,8 +152,7 @@ bool IsGone(pid_t pid) {
 
 Farm::Farm(const std::string& endpoint, const std::string& keys)
     : endpoint_(endpoint.empty() ? "ipc://" + (folder_ / "coordinator") : endpoint), keys_(keys) {
-  Words arguments = {"--listen", endpoint_};
-  if (!keys_.empty()) arguments = arguments + Words{"--keys", keys_};
+  const Words arguments = Words{"--listen", endpoint_} + SecurityOptions();
   Result<ChildProcess> coordinator =
       ChildProcess::Start(Program("depthfarm-coordinator"), arguments, folder_ / "coordinator.log");
   if (!coordinator.ok()) {
@@ -188,8 +187,8 @@ Farm::Farm(const std::string& endpoint, const std::string& keys)
 
 int Farm::AddWorker() {
   const std::string name = "worker-" + std::to_string(workers_.size());
-  Words arguments = {"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")};
-  if (!keys_.empty()) arguments = arguments + Words{"--keys", keys_};
+  const Words arguments =
+      Words{"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")} + SecurityOptions();
   Result<ChildProcess> worker = ChildProcess::Start(Program("depthfarm-worker"), arguments, folder_ / (name + ".log"));
   if (!worker.ok()) {
     problem_ = worker.status().message();
@@ -199,9 +198,11 @@ int Farm::AddWorker() {
   return static_cast<int>(workers_.size()) - 1;
 }
 
-Words Farm::Options() const {
-  Words options = {"--coordinator", endpoint_};
-  return keys_.empty() ? options : options + Words{"--keys", keys_};
+Words Farm::Options() const { return Words{"--coordinator", endpoint_} + SecurityOptions(); }
+
+Words Farm::SecurityOptions() const {
+  if (!keys_.empty()) return {"--keys", keys_};
+  return endpoint_.starts_with("tcp://") ? Words{"--insecure"} : Words{};
 }
 
 std::string Farm::Logs() const {

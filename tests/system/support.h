@@ -84,7 +84,8 @@ struct SceneSize {
 // A farm of separate processes that the test controls.
 class Farm {
  public:
-  // Listens on `endpoint` ("" = ipc in a private folder; a port "*" is a free one); `keys` for CURVE. Returns once it
+  // Listens on `endpoint` ("" = ipc in a private folder; a port "*" is a free one); `keys` for CURVE, without them
+  // tcp is insecure. Returns once it
   // answers.
   explicit Farm(const std::string& endpoint = "", const std::string& keys = "");
   [[nodiscard]] bool ok() const { return problem_.empty(); }
@@ -99,6 +100,8 @@ class Farm {
   [[nodiscard]] std::string Logs() const;
 
  private:
+  [[nodiscard]] Words SecurityOptions() const;
+
   TemporaryFolder folder_;
   std::string endpoint_;
   std::string keys_;

@@ -78,6 +78,7 @@ TEST(CommandLine, JobCommandsTakeAJobNumber) {
 
 TEST(CommandLine, ListsNeedNothing) {
   EXPECT_EQ(Parsed<JobsArguments>({"jobs"}).farm.coordinator, "tcp://127.0.0.1:7700");
+  EXPECT_EQ(Parsed<JobsArguments>({"jobs", "--timeout", "1.5"}).farm.timeout_seconds, 1.5);
   EXPECT_TRUE(Parsed<WorkersArguments>({"workers", "--json", "--insecure"}).farm.insecure);
   EXPECT_EQ(Parsed<DemoArguments>({"demo"}).output_dir, "depthfarm-demo");
   EXPECT_EQ(Parsed<KeygenArguments>({"keygen", "-o", "k"}).output_dir, "k");
@@ -108,6 +109,7 @@ INSTANTIATE_TEST_SUITE_P(All, BadUsage,
                              {"status", "x"},
                              {"status", "-1"},
                              {"submit", "s.json", "-o", "d", "--priority", "1001"},
+                             {"jobs", "--timeout", "0"},
                              {"keygen"},
                          }));
 
