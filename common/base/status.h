@@ -53,8 +53,8 @@ class [[nodiscard]] Status {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : value_(std::move(value)) {}            // NOLINT(google-explicit-constructor): reads as `return value`
-  Result(Status status) : status_(std::move(status)) {}    // NOLINT(google-explicit-constructor): reads as `return error`
+  Result(T value) : value_(std::move(value)) {}          // NOLINT(google-explicit-constructor): reads as `return value`
+  Result(Status status) : status_(std::move(status)) {}  // NOLINT(google-explicit-constructor): reads as `return error`
 
   [[nodiscard]] bool ok() const { return value_.has_value(); }
   [[nodiscard]] const Status& status() const { return status_; }
@@ -73,10 +73,10 @@ class [[nodiscard]] Result {
 };
 
 // Returns the failure of `expression` (a Status) to the caller.
-#define DEPTHFARM_RETURN_IF_ERROR(expression)                         \
-  do {                                                                \
-    ::depthfarm::Status depthfarm_status_ = (expression);             \
-    if (!depthfarm_status_.ok()) return depthfarm_status_;            \
+#define DEPTHFARM_RETURN_IF_ERROR(expression)              \
+  do {                                                     \
+    ::depthfarm::Status depthfarm_status_ = (expression);  \
+    if (!depthfarm_status_.ok()) return depthfarm_status_; \
   } while (false)
 
 // Declares `lhs` from a Result, or returns its failure: DEPTHFARM_ASSIGN_OR_RETURN(Camera camera, ReadCamera(file)).

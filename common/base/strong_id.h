@@ -7,7 +7,8 @@
 
 namespace depthfarm {
 
-// An identifier that cannot be mixed up with another kind or with a count: using TaskId = StrongId<struct TaskIdTag, uint64_t>.
+// An identifier that cannot be mixed up with another kind or with a count: using TaskId = StrongId<struct TaskIdTag,
+// uint64_t>.
 template <typename Tag, typename Rep>
 class StrongId {
  public:

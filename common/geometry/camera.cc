@@ -9,7 +9,9 @@ namespace {
 constexpr int kMaxSide = 32768;
 constexpr double kOrthonormalTolerance = 1e-3;
 
-Status Bad(const Camera& camera, const std::string& what) { return InvalidArgument("camera '" + camera.name + "': " + what); }
+Status Bad(const Camera& camera, const std::string& what) {
+  return InvalidArgument("camera '" + camera.name + "': " + what);
+}
 
 std::string Number(double value) {
   std::ostringstream text;
@@ -64,7 +66,9 @@ Status ValidateCamera(const Camera& camera) {
   return {};
 }
 
-double OrderedDot(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double OrderedDot(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 Eigen::Vector3d OrderedProduct(const Eigen::Matrix3d& a, const Eigen::Vector3d& b) {
   Eigen::Vector3d result;

@@ -11,16 +11,16 @@ namespace depthfarm {
 // A pinhole camera without distortion: x_cam = rotation * X_world + translation, x right, y down, z forward;
 // pixel = K * x_cam / z with (0, 0) at the centre of the top-left pixel.
 struct Camera {
-  std::string name;                                               // also a file name
-  int width = 0;                                                  // pixels
-  int height = 0;                                                 // pixels
-  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();       // K, upper triangular, pixels
+  std::string name;                                                       // also a file name
+  int width = 0;                                                          // pixels
+  int height = 0;                                                         // pixels
+  Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();               // K, upper triangular, pixels
   Eigen::Matrix3d cam_from_world_rotation = Eigen::Matrix3d::Identity();  // R
   Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();   // t, the sequence's unit of length
 };
 
-// Checks sizes (1..32768 a side), K (finite, upper triangular, positive focal lengths, last row 0 0 1) and R (orthonormal
-// to 1e-3, determinant +1). kInvalidArgument names the camera, the value and the bound.
+// Checks sizes (1..32768 a side), K (finite, upper triangular, positive focal lengths, last row 0 0 1) and R
+// (orthonormal to 1e-3, determinant +1). kInvalidArgument names the camera, the value and the bound.
 [[nodiscard]] Status ValidateCamera(const Camera& camera);
 
 // C = -R^T t.
@@ -33,7 +33,8 @@ struct Camera {
 [[nodiscard]] Camera Downscaled(const Camera& camera, int factor);
 
 // Determinism: the products below add in one stated order without fused operations, so that every machine gets the same
-// bits; Eigen's own products may not (it uses explicit FMA on some targets). Geometry that reaches depth uses only these.
+// bits; Eigen's own products may not (it uses explicit FMA on some targets). Geometry that reaches depth uses only
+// these.
 [[nodiscard]] Eigen::Vector3d OrderedProduct(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);
 [[nodiscard]] Eigen::Matrix3d OrderedProduct(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 [[nodiscard]] double OrderedDot(const Eigen::Vector3d& a, const Eigen::Vector3d& b);

@@ -13,10 +13,10 @@ using Level = std::uint16_t;
 
 inline constexpr int kMaxLevels = 65534;
 
-// The L planes on which depth is estimated: parallel to the image plane of the reference (centre) camera, "the depth of a
-// point has to be defined as the distance from the plane of the center camera" (paper III-B). The paper is silent on their
-// spacing; they are uniform in inverse depth, which is uniform in disparity for a parallel pair.
-// Units: the sequence's unit of length.
+// The L planes on which depth is estimated: parallel to the image plane of the reference (centre) camera, "the depth of
+// a point has to be defined as the distance from the plane of the center camera" (paper III-B). The paper is silent on
+// their spacing; they are uniform in inverse depth, which is uniform in disparity for a parallel pair. Units: the
+// sequence's unit of length.
 class DepthLevels {
  public:
   // Errors (kInvalidArgument): not 0 < z_near < z_far finite, count outside 2..kMaxLevels.
@@ -49,8 +49,8 @@ class LevelsInView {
  public:
   LevelsInView(const Camera& view, const DepthLevels& levels);
 
-  // 1/z along the view's own axis where the ray of pixel (x, y) meets the plane at `depth_in_ref`; a result <= 0 (or not
-  // finite) means that the ray does not meet it in front of the view.
+  // 1/z along the view's own axis where the ray of pixel (x, y) meets the plane at `depth_in_ref`; a result <= 0 (or
+  // not finite) means that the ray does not meet it in front of the view.
   [[nodiscard]] double InverseDepth(double x, double y, double depth_in_ref) const {
     return (slope_x_ * x + slope_y_ * y + slope_1_) / (depth_in_ref - center_depth_);
   }
@@ -68,9 +68,11 @@ class LevelsInView {
   double center_depth_ = 0;
 };
 
-// Own depth range of a view over the end planes: the smallest and largest z of the rays of its corner and edge pixels that
-// meet them (the extremes lie there, z being the inverse of an affine function of the pixel). kInvalidArgument, naming the
-// view, if no ray meets a plane in front of it.
+// Own depth range of a view over all level planes: the smallest and largest z of the rays of its corner and edge pixels
+// that meet a plane in front of it (on each plane the extremes lie there, z being the inverse of an affine function of
+// the pixel). A view may stand between the planes: those behind it do not count, and those it nearly touches are cut
+// off at 1/20 of the reference's z_near, nearer than which nothing is expected; the depth files clamp there.
+// kInvalidArgument, naming the view, if no ray meets a plane in front of it.
 struct DepthRange {
   double z_near = 0;
   double z_far = 0;

@@ -15,9 +15,7 @@ constexpr double kMinOverlap = 0.25;
 constexpr double kMinAxisCosine = 0.5;  // 60 degrees
 constexpr int kGrid = 8;                // samples a side for the overlap
 
-double MiddleDepthInRef(const DepthLevels& levels) {
-  return 2.0 / (1.0 / levels.z_near() + 1.0 / levels.z_far());
-}
+double MiddleDepthInRef(const DepthLevels& levels) { return 2.0 / (1.0 / levels.z_near() + 1.0 / levels.z_far()); }
 
 double Length(const Eigen::Vector3d& v) { return std::sqrt(OrderedDot(v, v)); }
 

@@ -15,7 +15,7 @@ class Reprojection {
   Reprojection(const Camera& source, const Camera& target);
 
   struct Projected {
-    double x = 0;                 // target pixel, (0, 0) the centre of the top-left one
+    double x = 0;  // target pixel, (0, 0) the centre of the top-left one
     double y = 0;
     double depth_per_source = 0;  // z' / z; <= 0 means behind the target camera: x, y are meaningless then
   };

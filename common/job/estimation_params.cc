@@ -27,7 +27,8 @@ Status EstimationParams::Validate() const {
   if (matching_window < 1 || matching_window > 15 || matching_window % 2 == 0) {
     return OutOfRange("matching-window", matching_window, "an odd number from 1 to 15");
   }
-  if (!(matching_offset > 0) || matching_offset > 765) return OutOfRange("matching-offset", matching_offset, "> 0, at most 765");
+  if (!(matching_offset > 0) || matching_offset > 765)
+    return OutOfRange("matching-offset", matching_offset, "> 0, at most 765");
   if (!(snic_compactness > 0) || snic_compactness > 1000) {
     return OutOfRange("snic-compactness", snic_compactness, "> 0, at most 1000");
   }
@@ -38,7 +39,8 @@ Status EstimationParams::Validate() const {
   if (levels > 0 && level_blocks > levels) {
     return OutOfRange("level-blocks", level_blocks, "at most the number of levels, " + std::to_string(levels));
   }
-  if (max_sweeps < 0 || max_sweeps > 1000) return OutOfRange("sweeps", max_sweeps, "1 to 1000, or 0: until nothing changes");
+  if (max_sweeps < 0 || max_sweeps > 1000)
+    return OutOfRange("sweeps", max_sweeps, "1 to 1000, or 0: until nothing changes");
   if (neighbours < 1 || neighbours > 16) return OutOfRange("neighbors", neighbours, "1 to 16");
   if (downscale != 1 && downscale != 2 && downscale != 4) return OutOfRange("downscale", downscale, "1, 2 or 4");
   if (first_frame < 0) return OutOfRange("frames: first", first_frame, ">= 0");
@@ -56,6 +58,7 @@ Result<EstimationParams> Preset(const std::string& name) {
   if (name == "paper") {
     params.levels = 250;
     params.level_blocks = 1;
+    params.max_sweeps = 0;
     return params;
   }
   return InvalidArgument("preset is '" + name + "', expected default or paper");

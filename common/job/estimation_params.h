@@ -20,20 +20,21 @@ enum class Partition {
 
 // What a user may set for a job; the defaults are the paper's numbers where the paper gives one. 0 = choose ("auto").
 struct EstimationParams {
-  int segments = 0;                // per view; 0: one per 20 pixels (the paper's 100,000 at HD)
-  int levels = 0;                  // L; 0: at most 250, see ResolveJob
-  double z_near = 0;               // of the reference camera, the sequence's unit; 0: from the sequence
+  int segments = 0;   // per view; 0: one per 20 pixels (the paper's 100,000 at HD)
+  int levels = 0;     // L; 0: at most 250, see ResolveJob
+  double z_near = 0;  // of the reference camera, the sequence's unit; 0: from the sequence
   double z_far = 0;
-  double smoothing = 1.0;          // beta_0 of eq. (3) per 1/249 of the depth range, L1 in grey levels; 0..100
-  int matching_window = 3;         // side of W in eq. (4), pixels, odd, 1..15
-  double matching_offset = 30;     // K of eq. (5), grey levels summed over Y, Cb, Cr; > 0, <= 765
-  double snic_compactness = 5;     // m of SNIC (paper IV-C), > 0
-  int gop = 10;                    // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1 = I frames only
-  int p_threshold = 3;             // T_P of III-E, grey levels
-  int i_threshold = 1;             // T_I of III-E
-  int level_blocks = 0;            // n of IV-A; 0: from the job alone, see ResolveJob
+  double smoothing = 1.0;       // beta_0 of eq. (3) per 1/249 of the depth range, L1 in grey levels; 0..100
+  int matching_window = 3;      // side of W in eq. (4), pixels, odd, 1..15
+  double matching_offset = 30;  // K of eq. (5), grey levels summed over Y, Cb, Cr; > 0, <= 765
+  double snic_compactness = 5;  // m of SNIC (paper IV-C), > 0
+  int gop = 10;                 // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1 = I frames only
+  int p_threshold = 3;          // T_P of III-E, grey levels
+  int i_threshold = 1;          // T_I of III-E
+  int level_blocks = 0;         // n of IV-A; 0: from the job alone, see ResolveJob
   Partition partition = Partition::kInterleaved;
-  int max_sweeps = 0;              // sweeps over the levels of a block; 0: until no move lowers the energy
+  int max_sweeps = 2;              // sweeps over the levels of a block; 0: until no move lowers the energy. The second
+                                   // finds all but 0.01-0.05 % of it
   int neighbours = 2;              // views matched against each view; the paper's two
   int downscale = 1;               // 1, 2 or 4
   std::vector<std::string> views;  // camera names; empty: every camera that has pictures

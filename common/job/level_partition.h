@@ -8,14 +8,14 @@
 
 namespace depthfarm {
 
-// The levels of block `block` of `num_blocks` (paper IV-A, Fig. 2), ascending. Every level belongs to exactly one block and
-// sizes differ by at most one. Requires 0 <= block < num_blocks <= num_levels.
+// The levels of block `block` of `num_blocks` (paper IV-A, Fig. 2), ascending. Every level belongs to exactly one block
+// and sizes differ by at most one. Requires 0 <= block < num_blocks <= num_levels.
 [[nodiscard]] std::vector<Level> LevelsOfBlock(int num_levels, int num_blocks, Partition partition, int block);
 
 // One merge of a frame's fixed merge tree (paper IV-A, Fig. 3).
 struct MergePair {
-  int first = 0;    // index of the first partial result of the round before (round 0: the block)
-  int second = 0;   // the one after it, or -1: the odd one out passes on unmerged
+  int first = 0;   // index of the first partial result of the round before (round 0: the block)
+  int second = 0;  // the one after it, or -1: the odd one out passes on unmerged
   bool operator==(const MergePair&) const = default;
 };
 

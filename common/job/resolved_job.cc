@@ -15,7 +15,8 @@ constexpr int kPixelsPerSegment = 20;
 constexpr int kMaxAutoLevels = 250;
 constexpr double kLevelPixelsNearest = 0.25;
 constexpr double kLevelPixelsWidest = 0.5;
-constexpr long long kSmallProblem = 2'000'000;   // segments x levels of all views: below, splitting costs more than it saves
+constexpr long long kSmallProblem =
+    2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
 
 Result<std::vector<const SequenceCamera*>> SelectViews(const Sequence& sequence, const EstimationParams& params) {
@@ -33,13 +34,15 @@ Result<std::vector<const SequenceCamera*>> SelectViews(const Sequence& sequence,
     if (!known) return InvalidArgument("views names '" + name + "', which is no camera of the sequence");
   }
   if (selected.size() < 2) {
-    return InvalidArgument("depth needs at least two views with pictures, there are " + std::to_string(selected.size()));
+    return InvalidArgument("depth needs at least two views with pictures, there are " +
+                           std::to_string(selected.size()));
   }
   return selected;
 }
 
 // The camera whose image plane the level planes are parallel to; it may be one without pictures.
-Result<const SequenceCamera*> ReferenceCamera(const Sequence& sequence, const std::vector<const SequenceCamera*>& views) {
+Result<const SequenceCamera*> ReferenceCamera(const Sequence& sequence,
+                                              const std::vector<const SequenceCamera*>& views) {
   if (!sequence.reference.empty()) {
     for (const SequenceCamera& camera : sequence.cameras) {
       if (camera.camera.name == sequence.reference) return &camera;
@@ -139,7 +142,8 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     job_view.format = view->format;
     DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(job_view.camera));
     const int pixels = job_view.camera.width * job_view.camera.height;
-    job_view.segments = std::min(params.segments > 0 ? params.segments : std::max(1, pixels / kPixelsPerSegment), pixels);
+    job_view.segments =
+        std::min(params.segments > 0 ? params.segments : std::max(1, pixels / kPixelsPerSegment), pixels);
     cameras.push_back(job_view.camera);
     job.views.push_back(job_view);
   }
@@ -148,7 +152,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
                              DepthLevels::Create(job.reference, job.params.z_near, job.params.z_far, ends_only));
   const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, ends, params.neighbours);
   for (std::size_t i = 0; i < job.views.size(); ++i) {
-    DEPTHFARM_ASSIGN_OR_RETURN(job.views[i].own_range, OwnDepthRange(cameras[i], ends));
+    DEPTHFARM_RETURN_IF_ERROR(OwnDepthRange(cameras[i], ends).status());
     job.views[i].neighbours = neighbours[i];
     if (neighbours[i].empty()) {
       return InvalidArgument("camera '" + cameras[i].name +
@@ -162,6 +166,10 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
   if (job.params.level_blocks > job.params.levels) {
     return InvalidArgument("level-blocks is " + std::to_string(job.params.level_blocks) +
                            ", expected at most the number of levels, " + std::to_string(job.params.levels));
+  }
+  const DepthLevels levels = job.Levels();
+  for (JobView& view : job.views) {
+    DEPTHFARM_ASSIGN_OR_RETURN(view.own_range, OwnDepthRange(view.camera, levels));
   }
   ResolveBlocks(job);
   return job;

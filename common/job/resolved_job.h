@@ -14,24 +14,24 @@ namespace depthfarm {
 
 // One view for which a job estimates depth.
 struct JobView {
-  Camera camera;                 // of the depth map: downscaled as the job asks
-  int source_width = 0;          // of the picture files, pixels
+  Camera camera;         // of the depth map: downscaled as the job asks
+  int source_width = 0;  // of the picture files, pixels
   int source_height = 0;
   PictureFormat format;
-  int segments = 0;              // requested; the seed grid comes as near as it can
-  DepthRange own_range;          // zNear, zFar of its depth files, along its own axis
-  std::vector<int> neighbours;   // indices into ResolvedJob::views, nearest first; D of eq. (1)
+  int segments = 0;             // requested; the seed grid comes as near as it can
+  DepthRange own_range;         // zNear, zFar of its depth files, along its own axis
+  std::vector<int> neighbours;  // indices into ResolvedJob::views, nearest first; D of eq. (1)
 };
 
 // A job with nothing left open: every "auto" is a number, so that all tasks of the job, wherever they run, do the same.
 // A function of the sequence and the parameters alone, never of the farm.
 struct ResolvedJob {
-  EstimationParams params;       // levels, z_near, z_far, level_blocks (of I frames) filled in
-  Camera reference;              // the centre camera whose image plane the levels are parallel to
+  EstimationParams params;  // levels, z_near, z_far, level_blocks (of I frames) filled in
+  Camera reference;         // the centre camera whose image plane the levels are parallel to
   std::vector<JobView> views;
-  int num_frames = 0;            // frames of the job, 0 .. num_frames - 1; sequence frame = params.first_frame + frame
-  int level_blocks_i = 1;        // n of IV-A for I frames
-  int level_blocks_p = 1;        // n for P frames: few nodes are left, so fewer tasks pay
+  int num_frames = 0;      // frames of the job, 0 .. num_frames - 1; sequence frame = params.first_frame + frame
+  int level_blocks_i = 1;  // n of IV-A for I frames
+  int level_blocks_p = 1;  // n for P frames: few nodes are left, so fewer tasks pay
 
   [[nodiscard]] int num_views() const { return static_cast<int>(views.size()); }
   [[nodiscard]] bool IsIFrame(int frame) const { return frame % params.gop == 0; }

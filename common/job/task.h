@@ -29,10 +29,10 @@ enum class TaskKind : std::uint8_t {
 // Names a task within its job. Unused parts are 0.
 struct TaskId {
   JobId job;
-  int frame = 0;                       // 0-based in the job
+  int frame = 0;  // 0-based in the job
   TaskKind kind = TaskKind::kAnalyse;
-  int index = 0;                       // view of kAnalyse, block of kEstimate, round of kMerge
-  int pair = 0;                        // of kMerge
+  int index = 0;  // view of kAnalyse, block of kEstimate, round of kMerge
+  int pair = 0;   // of kMerge
   auto operator<=>(const TaskId&) const = default;
 };
 

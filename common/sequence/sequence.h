@@ -43,8 +43,8 @@ struct GroundTruthView {
   };
   std::string view;
   Encoding encoding = Encoding::kDepthPfm;
-  double scale = 1;
-  double offset = 0;
+  double scale = 1;                    // the sequence's unit of length times pixels
+  double offset = 0;                   // pixels
   double divisor = 1;
   std::vector<std::string> depth;      // absolute path per frame
   std::vector<std::string> zones;      // absolute path per frame, 8-bit PNG of Zone values; may be empty
@@ -61,6 +61,7 @@ struct Sequence {
   std::string reference;                // camera name, empty = the centre camera
   std::vector<SequenceCamera> cameras;
   std::vector<GroundTruthView> ground_truth;
+  std::vector<std::string> warnings;    // sentences for the user: what was understood only in part, e.g. ground truth
 };
 
 }  // namespace depthfarm

@@ -28,10 +28,10 @@ struct TemporalReferences {
 // What an estimation did, for status and logs.
 struct EstimationStats {
   int sweeps = 0;
-  std::int64_t energy = 0;      // E of eq. (1) at the result, energy units (cost/energy_units.h)
-  std::int64_t moves = 0;       // moves that lowered E
-  int nodes = 0;                // segments that are not unchanged
-  int segments = 0;             // of all views
+  std::int64_t energy = 0;  // E of eq. (1) at the result, energy units (cost/energy_units.h)
+  std::int64_t moves = 0;   // moves that lowered E
+  int nodes = 0;            // segments that are not unchanged
+  int segments = 0;         // of all views
 };
 
 // Estimates the labels of one frame over the levels of block `block` of `num_blocks` (III, IV-A): memory to memory.
@@ -41,15 +41,15 @@ struct EstimationStats {
                                                const TemporalReferences* references, int num_blocks, int block,
                                                const std::stop_token& stop, EstimationStats* stats);
 
-// Joins two partial results of the same frame into one by a two-label cut (IV-A, Fig. 3). E of the result is at most the
-// smaller of the two; ties keep the first.
+// Joins two partial results of the same frame into one by a two-label cut (IV-A, Fig. 3). E of the result is at most
+// the smaller of the two; ties keep the first.
 [[nodiscard]] Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& analysis,
                                              const LabelField& first, const LabelField& second,
                                              const std::stop_token& stop, EstimationStats* stats);
 
-// Per-pixel depth of one view from its labels: the label's plane intersected with each pixel's ray gives the view's own z.
-// Result: H x W, 16-bit code of the depth files (design 2): 1 + round(65534 (1/z - 1/zFar) / (1/zNear - 1/zFar)) with the
-// view's own range, 0 where the ray does not meet the plane in front of the view.
+// Per-pixel depth of one view from its labels: the label's plane intersected with each pixel's ray gives the view's own
+// z. Result: H x W, 16-bit code of the depth files (design 2): 1 + round(65534 (1/z - 1/zFar) / (1/zNear - 1/zFar))
+// with the view's own range, 0 where the ray does not meet the plane in front of the view.
 [[nodiscard]] Grid<std::uint16_t> DepthCodes(const ResolvedJob& job, int view_index,
                                              const Grid<SegmentIndex>& segment_labels, const ViewLabels& labels);
 

@@ -10,8 +10,8 @@ namespace depthfarm {
 
 // d of eq. (1) for one view: one depth level per segment.
 struct ViewLabels {
-  std::vector<Level> levels;              // per segment, of all the job's levels (not of a block)
-  std::vector<std::uint8_t> unchanged;    // per segment: 1 = depth adopted from a reference frame (III-E): no node
+  std::vector<Level> levels;            // per segment, of all the job's levels (not of a block)
+  std::vector<std::uint8_t> unchanged;  // per segment: 1 = depth adopted from a reference frame (III-E): no node
   bool operator==(const ViewLabels&) const = default;
 };
 

@@ -9,7 +9,8 @@
 
 namespace depthfarm {
 
-// A label field as an artifact: versioned header, levels delta-coded, zstd with content checksum. Same field, same bytes.
+// A label field as an artifact: versioned header, levels delta-coded, zstd with content checksum. Same field, same
+// bytes.
 [[nodiscard]] std::string EncodeLabelField(const LabelField& field);
 
 // kCorrupt, with the reason, for anything EncodeLabelField does not write; bounded allocation on hostile input.

@@ -31,8 +31,8 @@ inline constexpr int kMeanColorScale = 64;
 // Segments of one view and all that the energy needs of them (paper III-B, IV-C). Everything but `labels` follows from
 // `labels` and the picture (see DescribeSegments), so only these two are stored and sent.
 struct SegmentMap {
-  Grid<SegmentIndex> labels;                 // H x W: each pixel's segment
-  std::vector<PixelPosition> centers;        // mu_s: the pixel of s nearest to its centroid; lies inside s
+  Grid<SegmentIndex> labels;           // H x W: each pixel's segment
+  std::vector<PixelPosition> centers;  // mu_s: the pixel of s nearest to its centroid; lies inside s
   std::vector<MeanColor> means;
   // Adjacent segments (sharing a pixel edge: 4-neighbours), each pair once with first < second, sorted. The sum over
   // t in T of eq. (1) counts each pair once here.

@@ -1,0 +1,88 @@
+#include "common/compression/zstd_frame.h"
+
+#include <zstd.h>
+
+#include <cstdint>
+#include <memory>
+#include <new>
+
+namespace depthfarm {
+namespace {
+
+constexpr int kCompressionLevel = 3;
+// RFC 8878: the descriptor follows the 4-byte magic, its bit 2 announces the checksum; a block holds at most 128 KiB
+// and takes at least 4 bytes.
+constexpr std::size_t kDescriptorOffset = 4;
+constexpr unsigned kChecksumFlag = 4;
+constexpr std::size_t kMaxExpansion = (std::size_t{128} << 10U) / 4;
+
+using CompressionContext = std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)>;
+using DecompressionContext = std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)>;
+
+Status Damaged(std::size_t zstd_error) {
+  return Corrupt(std::string("compressed content: ") + ZSTD_getErrorName(zstd_error));
+}
+
+}  // namespace
+
+void AppendZstdFrame(std::string_view content, std::string& bytes) {
+  const CompressionContext context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
+  if (context == nullptr) throw std::bad_alloc();  // as the containers here do
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kCompressionLevel);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
+  const std::size_t start = bytes.size();
+  bytes.resize(start + ZSTD_compressBound(content.size()));
+  const std::size_t size =
+      ZSTD_compress2(context.get(), bytes.data() + start, bytes.size() - start, content.data(), content.size());
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // with room for the bound, memory is all that can be missing
+  bytes.resize(start + size);
+}
+
+Result<std::string> ReadZstdFrameStart(std::string_view frame, std::size_t size) {
+  const DecompressionContext context(ZSTD_createDCtx(), &ZSTD_freeDCtx);
+  if (context == nullptr) return Unavailable("no memory to unpack compressed content");
+  std::string content(size, '\0');
+  ZSTD_inBuffer input{frame.data(), frame.size(), 0};
+  ZSTD_outBuffer output{content.data(), content.size(), 0};
+  while (output.pos < output.size) {
+    const std::size_t in_before = input.pos;
+    const std::size_t out_before = output.pos;
+    const std::size_t rest = ZSTD_decompressStream(context.get(), &output, &input);
+    if (ZSTD_isError(rest) != 0) return Damaged(rest);
+    const bool ended = rest == 0 || (input.pos == in_before && output.pos == out_before);
+    if (ended && output.pos < output.size) {
+      return Corrupt("compressed content ends after " + std::to_string(output.pos) + " bytes, expected at least " +
+                     std::to_string(size));
+    }
+  }
+  return content;
+}
+
+Result<std::string> ReadZstdFrame(std::string_view frame, std::size_t min_size, std::size_t max_size) {
+  const std::size_t frame_size = ZSTD_findFrameCompressedSize(frame.data(), frame.size());
+  if (ZSTD_isError(frame_size) != 0) return Damaged(frame_size);
+  if (frame_size != frame.size()) {
+    return Corrupt("compressed content is followed by " + std::to_string(frame.size() - frame_size) +
+                   " bytes, expected 0");
+  }
+  if (frame.size() <= kDescriptorOffset || (static_cast<std::uint8_t>(frame[kDescriptorOffset]) & kChecksumFlag) == 0) {
+    return Corrupt("compressed content carries no checksum");
+  }
+  const unsigned long long content_size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  // Unknown and error are the two largest values, so they fail this too.
+  if (content_size < min_size || content_size > max_size || content_size / kMaxExpansion > frame.size()) {
+    return Corrupt("compressed content of " + std::to_string(frame.size()) + " bytes claims to unpack to " +
+                   std::to_string(content_size) + ", expected " + std::to_string(min_size) + " to " +
+                   std::to_string(max_size));
+  }
+  std::string content(static_cast<std::size_t>(content_size), '\0');
+  const std::size_t size = ZSTD_decompress(content.data(), content.size(), frame.data(), frame.size());
+  if (ZSTD_isError(size) != 0) return Damaged(size);
+  if (size != content.size()) {
+    return Corrupt("compressed content unpacks to " + std::to_string(size) + " bytes, expected " +
+                   std::to_string(content.size()));
+  }
+  return content;
+}
+
+}  // namespace depthfarm

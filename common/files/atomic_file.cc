@@ -1,0 +1,125 @@
+#include "common/files/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+namespace depthfarm {
+namespace {
+
+constexpr int kNewFileMode = 0666;  // reduced by the umask of the process
+
+std::string SystemReason() { return std::generic_category().message(errno); }
+
+Status Failed(const std::string& path, const std::string& action) {
+  return Unavailable(path + ": cannot " + action + ": " + SystemReason());
+}
+
+// Closes the descriptor on every way out.
+class OpenFile {
+ public:
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() { (void)Close(); }
+
+  [[nodiscard]] bool ok() const { return descriptor_ >= 0; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  [[nodiscard]] bool Close() {
+    if (descriptor_ < 0) return true;
+    const int closed = close(descriptor_);
+    descriptor_ = -1;
+    return closed == 0;
+  }
+
+ private:
+  int descriptor_;
+};
+
+// Distinct among the processes of a host (pid) and the calls of a process (counter); O_EXCL settles the rest.
+std::string TemporaryName(const std::string& path) {
+  static std::atomic<std::uint64_t> counter{0};
+  return path + ".tmp-" + std::to_string(getpid()) + "-" + std::to_string(counter.fetch_add(1));
+}
+
+Status WriteAll(const std::string& path, std::string_view bytes, Durability durability) {
+  OpenFile file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode));
+  if (!file.ok()) return Failed(path, "create the file");
+  while (!bytes.empty()) {
+    const ssize_t written = write(file.descriptor(), bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return Failed(path, "write " + std::to_string(bytes.size()) + " bytes");
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  if (durability == Durability::kSynced && fsync(file.descriptor()) != 0) return Failed(path, "sync the file");
+  if (!file.Close()) return Failed(path, "close the file");
+  return {};
+}
+
+Status SyncFolderOf(const std::string& path) {
+  const std::string parent = std::filesystem::path(path).parent_path().string();
+  const std::string folder = parent.empty() ? "." : parent;
+  const OpenFile opened(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!opened.ok()) return Failed(folder, "open the folder");
+  if (fsync(opened.descriptor()) != 0) return Failed(folder, "sync the folder");
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> ReadFileBytes(const std::string& path, std::uint64_t max_bytes) {
+  // O_NONBLOCK: opening a pipe without a writer would wait for ever; it has no effect on regular files.
+  const OpenFile file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (!file.ok()) return Failed(path, "open the file");
+  struct stat facts {};
+  if (fstat(file.descriptor(), &facts) != 0) return Failed(path, "examine the file");
+  if (!S_ISREG(facts.st_mode)) return InvalidArgument(path + ": is not a regular file");
+  const auto size = static_cast<std::uint64_t>(facts.st_size);
+  if (size > max_bytes) {
+    return InvalidArgument(path + ": holds " + std::to_string(size) + " bytes, expected at most " +
+                           std::to_string(max_bytes));
+  }
+  try {
+    std::string bytes(static_cast<std::size_t>(size), '\0');
+    std::size_t have = 0;
+    while (have < bytes.size()) {
+      const ssize_t got = read(file.descriptor(), bytes.data() + have, bytes.size() - have);
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) return Failed(path, "read the file");
+      if (got == 0) return Unavailable(path + ": shrank while it was read");
+      have += static_cast<std::size_t>(got);
+    }
+    return bytes;
+  } catch (const std::bad_alloc&) {
+    return Unavailable(path + ": no memory for its " + std::to_string(size) + " bytes");
+  }
+}
+
+Status WriteFileAtomically(const std::string& path, std::string_view bytes, Durability durability) {
+  const std::string temporary = TemporaryName(path);
+  Status written = WriteAll(temporary, bytes, durability);
+  if (written.ok() && std::rename(temporary.c_str(), path.c_str()) != 0) {
+    written = Failed(path, "rename " + temporary + " to it");
+  }
+  if (!written.ok()) {
+    (void)unlink(temporary.c_str());
+    return written;
+  }
+  return durability == Durability::kSynced ? SyncFolderOf(path) : Status();
+}
+
+Status MakeDirectories(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) return Unavailable(path + ": cannot make the folder: " + error.message());
+  if (!std::filesystem::is_directory(path, error)) return Unavailable(path + ": is not a folder");
+  return {};
+}
+
+}  // namespace depthfarm

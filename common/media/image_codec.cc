@@ -1,0 +1,99 @@
+#include "common/media/image_codec.h"
+
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+namespace depthfarm {
+namespace {
+
+constexpr std::string_view kJpegStart = "\xff\xd8\xff";
+constexpr int kPngCompression = 6;
+
+std::uint8_t ByteAt(std::string_view bytes, std::size_t position) { return static_cast<std::uint8_t>(bytes[position]); }
+
+// Position after the entropy-coded data that begins at `position`: of the next 0xff that begins a marker, or npos.
+std::size_t EndOfScan(std::string_view bytes, std::size_t position) {
+  while (true) {
+    position = bytes.find('\xff', position);
+    if (position == std::string_view::npos || position + 1 >= bytes.size()) return std::string_view::npos;
+    const std::uint8_t code = ByteAt(bytes, position + 1);
+    const bool stuffed_or_restart = code == 0x00 || (code >= 0xd0 && code <= 0xd7);
+    if (!stuffed_or_restart) return position;
+    position += 2;
+  }
+}
+
+}  // namespace
+
+bool IsCompleteJpeg(std::string_view bytes) {
+  std::size_t position = 2;
+  while (position + 1 < bytes.size()) {
+    if (ByteAt(bytes, position) != 0xff) return false;
+    const std::uint8_t code = ByteAt(bytes, position + 1);
+    if (code == 0xff) {  // fill byte
+      ++position;
+      continue;
+    }
+    if (code == 0xd9) return true;
+    if (position + 3 >= bytes.size()) return false;
+    position += 2 + (std::size_t{ByteAt(bytes, position + 2)} << 8) + ByteAt(bytes, position + 3);
+    if (code == 0xda) {
+      position = EndOfScan(bytes, position);
+      if (position == std::string_view::npos) return false;
+    }
+  }
+  return false;
+}
+
+Result<cv::Mat> DecodeImage(std::string_view bytes) {
+  if (bytes.empty()) return InvalidArgument("holds no bytes, expected an image file");
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
+    return InvalidArgument("holds " + std::to_string(bytes.size()) + " bytes, expected less than 2 GiB");
+  }
+  if (bytes.starts_with(kJpegStart) && !IsCompleteJpeg(bytes)) {
+    return InvalidArgument("is a JPEG file that ends early, after " + std::to_string(bytes.size()) + " bytes");
+  }
+  try {
+    const cv::Mat wrapped(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    cv::Mat image = cv::imdecode(wrapped, cv::IMREAD_UNCHANGED);
+    if (image.empty()) {
+      return InvalidArgument("cannot be decoded: damaged, cut short or of a kind that is not supported (" +
+                             std::to_string(bytes.size()) + " bytes)");
+    }
+    const bool unsigned_samples = image.depth() == CV_8U || image.depth() == CV_16U;
+    const bool known_channels = image.channels() == 1 || image.channels() == 3 || image.channels() == 4;
+    if (!unsigned_samples || !known_channels) {
+      return InvalidArgument("has " + std::to_string(image.channels()) + " channels of OpenCV depth " +
+                             std::to_string(image.depth()) + ", expected 1, 3 or 4 of 8 or 16 bits");
+    }
+    return image;
+  } catch (const cv::Exception& error) {
+    if (error.code == cv::Error::StsNoMem) return Unavailable("no memory to decode it");
+    return InvalidArgument(std::string("cannot be decoded: ") + error.what());
+  } catch (const std::bad_alloc&) {
+    return Unavailable("no memory to decode it");
+  }
+}
+
+Result<std::string> EncodePng(const cv::Mat& image) {
+  try {
+    std::vector<std::uint8_t> bytes;
+    const std::vector<int> settings = {cv::IMWRITE_PNG_COMPRESSION, kPngCompression, cv::IMWRITE_PNG_STRATEGY,
+                                       cv::IMWRITE_PNG_STRATEGY_DEFAULT};
+    if (image.empty() || !cv::imencode(".png", image, bytes, settings)) {
+      return InvalidArgument("a picture of " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                             " pixels cannot be encoded as PNG");
+    }
+    return std::string(bytes.begin(), bytes.end());
+  } catch (const cv::Exception& error) {
+    return Internal(std::string("PNG encoder: ") + error.what());
+  } catch (const std::bad_alloc&) {
+    return Unavailable("no memory to encode a picture as PNG");
+  }
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,30 @@
+#ifndef DEPTHFARM_COMMON_MEDIA_IMAGE_CODEC_H_
+#define DEPTHFARM_COMMON_MEDIA_IMAGE_CODEC_H_
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <string_view>
+
+#include "common/base/status.h"
+
+namespace depthfarm {
+
+// The only calls of OpenCV's codecs, with its exceptions turned into Status. Used within common/media only: the other
+// headers of the folder do not show OpenCV.
+
+// Decodes an image file held in memory as stored: no rotation by EXIF, no change of depth; palettes are expanded.
+// Result: 8- or 16-bit unsigned, 1 (grey), 3 (B, G, R) or 4 (B, G, R, alpha) channels.
+// Errors (kInvalidArgument, without the path): empty, not decodable, a JPEG that ends early (OpenCV would leave its
+// lower rows as they are), other sample types. kUnavailable: no memory.
+[[nodiscard]] Result<cv::Mat> DecodeImage(std::string_view bytes);
+
+// PNG of an 8- or 16-bit image with 1 or 3 channels. Compression level 6, default strategy, libpng's own choice of
+// filters, no time stamp and no text: equal images give equal bytes with equal versions of libpng and zlib.
+[[nodiscard]] Result<std::string> EncodePng(const cv::Mat& image);
+
+// Whether a JPEG's marker segments and scans run up to its end-of-image marker.
+[[nodiscard]] bool IsCompleteJpeg(std::string_view bytes);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_MEDIA_IMAGE_CODEC_H_

@@ -1,0 +1,128 @@
+#include "common/media/raw_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "common/media/colour_conversion.h"
+
+namespace depthfarm {
+namespace {
+
+std::string FormatName(const PictureFormat& format) {
+  return (format.kind == PictureFormat::Kind::kYuv420 ? "yuv420p" : "gray") + std::to_string(format.bits) +
+         (format.bits > 8 ? "le" : "");
+}
+
+int BytesPerSample(const PictureFormat& format) { return format.bits > 8 ? 2 : 1; }
+
+int HalfSize(int size) { return (size + 1) / 2; }
+
+Status CheckSize(std::string_view bytes, const PictureFormat& format, int width, int height) {
+  const std::uint64_t expected = RawPictureBytes(format, width, height);
+  if (bytes.size() == expected) return {};
+  return InvalidArgument("holds " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(expected) +
+                         " for one picture of " + std::to_string(width) + "x" + std::to_string(height) + " " +
+                         FormatName(format));
+}
+
+// Takes one plane off the front of `bytes`.
+Result<Grid<std::uint16_t>> TakePlane(std::string_view* bytes, const PictureFormat& format, int width, int height) {
+  Grid<std::uint16_t> plane(width, height);
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes->data());
+  const std::size_t size = static_cast<std::size_t>(BytesPerSample(format));
+  const int max = (1 << format.bits) - 1;
+  for (std::size_t i = 0; i < plane.size(); ++i) {
+    const int sample = size == 1 ? data[i] : data[2 * i] | (data[2 * i + 1] << 8);
+    if (sample > max) {
+      return InvalidArgument("holds the sample " + std::to_string(sample) + ", expected at most " +
+                             std::to_string(max) + " in " + FormatName(format));
+    }
+    plane.values()[i] = static_cast<std::uint16_t>(sample);
+  }
+  bytes->remove_prefix(size * plane.size());
+  return plane;
+}
+
+constexpr std::int64_t kUpsamplingScale = 8;
+
+// Chroma at pixel (x, y) of the full resolution, times kUpsamplingScale.
+std::int64_t ChromaAt(const Grid<std::uint16_t>& plane, int x, int y) {
+  const int column = x / 2;
+  const int next_column = std::min(column + x % 2, plane.width() - 1);
+  const int row = y / 2;
+  const int other_row = std::clamp(y % 2 == 0 ? row - 1 : row + 1, 0, plane.height() - 1);
+  const auto across = [&](int r) { return std::int64_t{plane(column, r)} + plane(next_column, r); };
+  return 3 * across(row) + across(other_row);
+}
+
+// What turns averaged samples into 8-bit units.
+struct RangeConversion {
+  double black;  // in samples
+  double y_scale;
+  double chroma_zero;  // in samples
+  double chroma_scale;
+};
+
+RangeConversion ConversionOf(const PictureFormat& format) {
+  const double unit = 1 << (format.bits - 8);  // samples per 8-bit unit
+  const double max = (1 << format.bits) - 1;
+  if (format.full_range) return {0, 255 / max, 128 * unit, 255 / max};
+  return {16 * unit, 255 / (219 * unit), 128 * unit, 255 / (224 * unit)};
+}
+
+}  // namespace
+
+std::uint64_t RawPictureBytes(const PictureFormat& format, int width, int height) {
+  std::uint64_t samples = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  if (format.kind == PictureFormat::Kind::kYuv420) {
+    samples += 2 * static_cast<std::uint64_t>(HalfSize(width)) * static_cast<std::uint64_t>(HalfSize(height));
+  }
+  return samples * static_cast<std::uint64_t>(BytesPerSample(format));
+}
+
+Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat& format, int width, int height,
+                                    int downscale) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckSize(bytes, format, width, height));
+  DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> luma, TakePlane(&bytes, format, width, height));
+  std::array<Grid<std::uint16_t>, 2> chroma;
+  const bool coloured = format.kind == PictureFormat::Kind::kYuv420;
+  for (Grid<std::uint16_t>& plane : chroma) {
+    if (!coloured) break;
+    DEPTHFARM_ASSIGN_OR_RETURN(plane, TakePlane(&bytes, format, HalfSize(width), HalfSize(height)));
+  }
+  const RangeConversion conversion = ConversionOf(format);
+  const double pixels = downscale * downscale;
+  YcbcrImage result(width / downscale, height / downscale);
+  for (int y = 0; y < result.height(); ++y) {
+    for (int x = 0; x < result.width(); ++x) {
+      std::int64_t y_sum = 0;
+      std::array<std::int64_t, 2> chroma_sum = {0, 0};
+      for (int sy = y * downscale; sy < (y + 1) * downscale; ++sy) {
+        for (int sx = x * downscale; sx < (x + 1) * downscale; ++sx) {
+          y_sum += luma(sx, sy);
+          for (std::size_t c = 0; coloured && c < 2; ++c) chroma_sum[c] += ChromaAt(chroma[c], sx, sy);
+        }
+      }
+      YcbcrReal colour;
+      colour.y = (static_cast<double>(y_sum) / pixels - conversion.black) * conversion.y_scale;
+      if (coloured) {
+        const auto scaled = [&](std::int64_t sum) {
+          const double sample = static_cast<double>(sum) / (pixels * kUpsamplingScale);
+          return (sample - conversion.chroma_zero) * conversion.chroma_scale;
+        };
+        colour.cb = scaled(chroma_sum[0]);
+        colour.cr = scaled(chroma_sum[1]);
+      }
+      result(x, y) = RoundedTo8Bit(format.bt709 ? Bt601FromBt709(colour) : colour);
+    }
+  }
+  return result;
+}
+
+Result<Grid<std::uint16_t>> DecodeRawLuma(std::string_view bytes, const PictureFormat& format, int width, int height) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckSize(bytes, format, width, height));
+  return TakePlane(&bytes, format, width, height);
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,34 @@
+#ifndef DEPTHFARM_COMMON_MEDIA_RAW_PICTURE_H_
+#define DEPTHFARM_COMMON_MEDIA_RAW_PICTURE_H_
+
+#include <cstdint>
+#include <string_view>
+
+#include "common/base/status.h"
+#include "common/image/picture.h"
+#include "common/sequence/sequence.h"
+
+namespace depthfarm {
+
+// Bytes of one raw picture: planes of width x height and, for 4:2:0, two of half the size rounded up.
+[[nodiscard]] std::uint64_t RawPictureBytes(const PictureFormat& format, int width, int height);
+
+// Raw planar picture -> Y'CbCr, 1/downscale of the size (see DecodePicture for the contract of sizes and rounding).
+//
+//   Chroma of 4:2:0 lies as in MPEG-2 and H.264 by default: on the even columns, half-way between the rows. It is
+//   brought to full resolution linearly, weights 1 and 1/2, 1/2 across, 3/4, 1/4 down, edges repeated, in exact
+//   integers. Then, at full precision, box average, range and matrix:
+//     limited  Y' = 255 (v - 16) / 219, C = 255 (v - 128) / 224 with v in 8-bit units (sample / 2^(bits - 8))
+//     full     Y' = 255 v / (2^bits - 1), C = 255 (v - 2^(bits - 1)) / (2^bits - 1)
+//   4:0:0 gives Cb = Cr = 128.
+// Errors (kInvalidArgument, without the path): another number of bytes (both are said), a sample beyond `bits`.
+[[nodiscard]] Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat& format, int width,
+                                                  int height, int downscale);
+
+// The Y samples alone, as stored, e.g. of depth maps kept as video.
+[[nodiscard]] Result<Grid<std::uint16_t>> DecodeRawLuma(std::string_view bytes, const PictureFormat& format, int width,
+                                                        int height);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_MEDIA_RAW_PICTURE_H_

@@ -1,0 +1,108 @@
+#include "common/synthesis/fill_holes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace depthfarm {
+namespace {
+
+// Depths within this share of each other count as one background.
+constexpr float kSameDepth = 0.05F;
+
+struct Direction {
+  int dx;
+  int dy;
+};
+constexpr std::array<Direction, 8> kDirections = {
+    {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
+
+struct Hole {
+  std::size_t index = 0;
+  int x = 0;
+  int y = 0;
+  std::array<int, 8> nearest = {-1, -1, -1, -1, -1, -1, -1, -1};  // index of the pixel met first, -1 = none
+};
+
+// For each hole, the first pixel that may fill it, walking in `direction`. One sweep from that side of the picture:
+// each pixel hands on what it has seen.
+void FindNearest(const Grid<std::uint8_t>& fills, std::size_t direction_index, const Grid<int>& hole_of,
+                 std::vector<Hole>& holes) {
+  const Direction direction = kDirections[direction_index];
+  const int width = fills.width();
+  const int height = fills.height();
+  Grid<int> seen(width, height, -1);
+  for (int j = 0; j < height; ++j) {
+    const int y = direction.dy > 0 ? height - 1 - j : j;
+    for (int i = 0; i < width; ++i) {
+      const int x = direction.dx > 0 ? width - 1 - i : i;
+      if (fills(x, y) != 0) {
+        seen(x, y) = static_cast<int>(fills.Index(x, y));
+        continue;
+      }
+      if (fills.Contains(x + direction.dx, y + direction.dy)) seen(x, y) = seen(x + direction.dx, y + direction.dy);
+      if (hole_of(x, y) >= 0) holes[static_cast<std::size_t>(hole_of(x, y))].nearest[direction_index] = seen(x, y);
+    }
+  }
+}
+
+void FillOne(const Hole& hole, YcbcrImage& picture, DepthMap& depth) {
+  float farthest = 0;
+  for (const int index : hole.nearest) {
+    if (index >= 0) farthest = std::max(farthest, depth.values()[static_cast<std::size_t>(index)]);
+  }
+  if (!(farthest > 0)) return;
+  float weights = 0;
+  std::array<float, 4> sum = {};
+  for (const int index : hole.nearest) {
+    if (index < 0) continue;
+    const float z = depth.values()[static_cast<std::size_t>(index)];
+    if (z < farthest * (1.0F - kSameDepth)) continue;
+    const int dx = index % picture.width() - hole.x;
+    const int dy = index / picture.width() - hole.y;
+    const float weight = 1.0F / static_cast<float>(dx * dx + dy * dy);
+    const Ycbcr& colour = picture.values()[static_cast<std::size_t>(index)];
+    weights += weight;
+    sum[0] += weight * static_cast<float>(colour.y);
+    sum[1] += weight * static_cast<float>(colour.cb);
+    sum[2] += weight * static_cast<float>(colour.cr);
+    sum[3] += weight * z;
+  }
+  const auto rounded = [&](float value) { return static_cast<std::uint8_t>(std::lround(value / weights)); };
+  picture.values()[hole.index] = {rounded(sum[0]), rounded(sum[1]), rounded(sum[2]), 0};
+  depth.values()[hole.index] = sum[3] / weights;
+}
+
+}  // namespace
+
+void FillHoles(const Grid<Known>& kinds, YcbcrImage& picture, DepthMap& depth) {
+  const std::vector<Known>& values = kinds.values();
+  const bool any_clean = std::find(values.begin(), values.end(), Known::kClean) != values.end();
+  const Known filling = any_clean ? Known::kClean : Known::kDoubtful;
+  Grid<std::uint8_t> fills(kinds.width(), kinds.height());
+  Grid<int> hole_of(kinds.width(), kinds.height(), -1);
+  std::vector<Hole> holes;
+  for (int y = 0; y < kinds.height(); ++y) {
+    for (int x = 0; x < kinds.width(); ++x) {
+      if (kinds(x, y) >= filling) {
+        fills(x, y) = 1;
+        continue;
+      }
+      Hole hole;
+      hole.index = kinds.Index(x, y);
+      hole.x = x;
+      hole.y = y;
+      hole_of(x, y) = static_cast<int>(holes.size());
+      holes.push_back(hole);
+    }
+  }
+  if (holes.empty()) return;
+  for (std::size_t direction = 0; direction < kDirections.size(); ++direction) {
+    FindNearest(fills, direction, hole_of, holes);
+  }
+  // Only kept pixels are read, so the order of the holes doesn't matter.
+  for (const Hole& hole : holes) FillOne(hole, picture, depth);
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,193 @@
+#include "common/media/picture_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/media/colour_map.h"
+#include "common/media/image_codec.h"
+#include "tests/support/temporary_folder.h"
+
+namespace depthfarm {
+namespace {
+
+using ::testing::HasSubstr;
+using testing_support::TemporaryFolder;
+
+const PictureFormat kImageFile;
+
+std::string Encoded(const std::string& extension, const cv::Mat& image) {
+  std::vector<unsigned char> bytes;
+  EXPECT_TRUE(cv::imencode(extension, image, bytes));
+  return {bytes.begin(), bytes.end()};
+}
+
+cv::Mat NoiseBgr(int width, int height) {
+  cv::Mat image(height, width, CV_8UC3);
+  std::mt19937 random(5);
+  for (int i = 0; i < height * width * 3; ++i) image.data[i] = static_cast<unsigned char>(random() & 0xff);
+  return image;
+}
+
+// The colour of a PNG of one pixel.
+Ycbcr Decoded(int r, int g, int b) {
+  const auto picture = DecodePicture(Encoded(".png", cv::Mat(1, 1, CV_8UC3, cv::Scalar(b, g, r))), kImageFile, 1, 1, 1);
+  EXPECT_TRUE(picture.ok()) << picture.status().message();
+  return picture.ok() ? (*picture)(0, 0) : Ycbcr{};
+}
+
+TEST(DecodePicture, PrimariesHaveTheirBt601Values) {
+  EXPECT_EQ(Decoded(0, 0, 0), (Ycbcr{0, 128, 128, 0}));
+  EXPECT_EQ(Decoded(255, 255, 255), (Ycbcr{255, 128, 128, 0}));
+  EXPECT_EQ(Decoded(255, 0, 0), (Ycbcr{76, 85, 255, 0}));    // 76.245, 84.97, 255.5 clamped
+  EXPECT_EQ(Decoded(0, 255, 0), (Ycbcr{150, 44, 21, 0}));    // 149.685, 43.53, 21.23
+  EXPECT_EQ(Decoded(0, 0, 255), (Ycbcr{29, 255, 107, 0}));   // 29.07, 255.5 clamped, 107.27
+  EXPECT_EQ(Decoded(255, 255, 0), (Ycbcr{226, 1, 149, 0}));  // 225.93, 0.5 up, 148.73
+}
+
+TEST(DecodePicture, GreyRampHasNeutralChromaInColourAndInGrey) {
+  cv::Mat grey(1, 256, CV_8UC1);
+  for (int i = 0; i < 256; ++i) grey.at<unsigned char>(0, i) = static_cast<unsigned char>(i);
+  const auto picture = DecodePicture(Encoded(".png", grey), kImageFile, 256, 1, 1);
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  for (int i = 0; i < 256; ++i) {
+    EXPECT_EQ((*picture)(i, 0), (Ycbcr{static_cast<std::uint8_t>(i), 128, 128, 0}));
+    EXPECT_EQ(Decoded(i, i, i), (*picture)(i, 0));
+  }
+}
+
+TEST(DecodePicture, SixteenBitsAreRoundedOnceToEightBitUnits) {
+  cv::Mat grey(1, 5, CV_16UC1);
+  const std::vector<std::pair<int, int>> values = {{0, 0}, {65535, 255}, {257 * 100, 100}, {128, 0}, {129, 1}};
+  for (int i = 0; i < 5; ++i) {
+    grey.at<unsigned short>(0, i) = static_cast<unsigned short>(values[static_cast<std::size_t>(i)].first);
+  }
+  const auto picture = DecodePicture(Encoded(".png", grey), kImageFile, 5, 1, 1);
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  for (int i = 0; i < 5; ++i) EXPECT_EQ((*picture)(i, 0).y, values[static_cast<std::size_t>(i)].second) << i;
+}
+
+TEST(DecodePicture, AlphaIsIgnored) {
+  const auto picture =
+      DecodePicture(Encoded(".png", cv::Mat(1, 1, CV_8UC4, cv::Scalar(255, 0, 0, 3))), kImageFile, 1, 1, 1);
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  EXPECT_EQ((*picture)(0, 0), Decoded(0, 0, 255));
+}
+
+TEST(DecodePicture, LosslessKindsGiveTheSamePicture) {
+  const cv::Mat image = NoiseBgr(31, 17);
+  const auto png = DecodePicture(Encoded(".png", image), kImageFile, 31, 17, 1);
+  ASSERT_TRUE(png.ok()) << png.status().message();
+  for (const char* extension : {".ppm", ".tiff", ".bmp"}) {
+    const auto other = DecodePicture(Encoded(extension, image), kImageFile, 31, 17, 1);
+    ASSERT_TRUE(other.ok()) << extension << " " << other.status().message();
+    EXPECT_EQ(*other, *png) << extension;
+  }
+}
+
+TEST(DecodePicture, DownscalingIsTheRoundedMeanOfTheBoxAndCutsOffTheRest) {
+  const cv::Mat image = NoiseBgr(11, 7);
+  for (const int factor : {2, 4}) {
+    const auto picture = DecodePicture(Encoded(".png", image), kImageFile, 11, 7, factor);
+    ASSERT_TRUE(picture.ok()) << picture.status().message();
+    ASSERT_EQ(picture->width(), 11 / factor);
+    ASSERT_EQ(picture->height(), 7 / factor);
+    for (int y = 0; y < picture->height(); ++y) {
+      for (int x = 0; x < picture->width(); ++x) {
+        double luma = 0;
+        for (int i = 0; i < factor * factor; ++i) {
+          const auto& pixel = image.at<cv::Vec3b>(y * factor + i / factor, x * factor + i % factor);
+          luma += (0.299 * pixel[2] + 0.587 * pixel[1] + 0.114 * pixel[0]) / (factor * factor);
+        }
+        EXPECT_NEAR((*picture)(x, y).y, luma, 0.5 + 1e-9);
+      }
+    }
+  }
+}
+
+TEST(DecodePicture, OtherSizeIsAnErrorWithBothSizes) {
+  const auto picture = DecodePicture(Encoded(".png", NoiseBgr(4, 3)), kImageFile, 3, 4, 1);
+  EXPECT_EQ(picture.status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(picture.status().message(), HasSubstr("has 4x3 pixels, expected 3x4"));
+}
+
+TEST(DecodePicture, RefusesOtherDownscaleFactorsAndWhatLeavesNothing) {
+  const std::string bytes = Encoded(".png", NoiseBgr(3, 3));
+  for (const int factor : {-1, 0, 3, 8}) {
+    EXPECT_THAT(DecodePicture(bytes, kImageFile, 3, 3, factor).status().message(), HasSubstr("expected 1, 2 or 4"));
+  }
+  EXPECT_THAT(DecodePicture(bytes, kImageFile, 3, 3, 4).status().message(), HasSubstr("nothing left"));
+}
+
+TEST(DecodePicture, EveryTruncationOfAPngOrJpegIsAnError) {
+  for (const char* extension : {".png", ".jpg"}) {
+    const std::string bytes = Encoded(extension, NoiseBgr(16, 16));
+    ASSERT_TRUE(DecodePicture(bytes, kImageFile, 16, 16, 1).ok());
+    for (std::size_t size = 0; size < bytes.size(); size += (size < 64 ? 1 : 7)) {
+      const auto picture = DecodePicture(bytes.substr(0, size), kImageFile, 16, 16, 1);
+      EXPECT_EQ(picture.status().code(), ErrorCode::kInvalidArgument) << extension << " cut to " << size;
+    }
+  }
+}
+
+TEST(DecodePicture, ProgressiveJpegWithRestartMarkersIsComplete) {
+  std::vector<unsigned char> bytes;
+  ASSERT_TRUE(cv::imencode(".jpg", NoiseBgr(64, 64), bytes,
+                           {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, 2}));
+  const std::string text(bytes.begin(), bytes.end());
+  EXPECT_TRUE(IsCompleteJpeg(text));
+  EXPECT_TRUE(DecodePicture(text, kImageFile, 64, 64, 1).ok());
+  EXPECT_FALSE(IsCompleteJpeg(text.substr(0, text.size() - 2)));
+}
+
+TEST(DecodePicture, DamageWithinAPngIsAnError) {
+  std::string bytes = Encoded(".png", NoiseBgr(32, 32));
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
+  EXPECT_FALSE(DecodePicture(bytes, kImageFile, 32, 32, 1).ok());
+}
+
+TEST(ReadPicture, MessagesBeginWithThePath) {
+  const TemporaryFolder folder;
+  const std::string empty = folder.Write("empty.png", "");
+  const std::string text = folder.Write("text.png", "no picture");
+  const std::string raw = folder.Write("raw.yuv", "123");
+  EXPECT_THAT(ReadPicture(empty, kImageFile, 4, 4, 1).status().message(), HasSubstr(empty + ": holds no bytes"));
+  EXPECT_THAT(ReadPicture(text, kImageFile, 4, 4, 1).status().message(), HasSubstr(text + ": cannot be decoded"));
+  const PictureFormat yuv = {PictureFormat::Kind::kYuv420, 8, false, false};
+  EXPECT_THAT(ReadPicture(raw, yuv, 4, 4, 1).status().message(), HasSubstr(raw + ": holds 3 bytes, expected 24"));
+  const auto missing = ReadPicture(folder.File("none.png"), kImageFile, 4, 4, 1);
+  EXPECT_EQ(missing.status().code(), ErrorCode::kUnavailable);
+  EXPECT_THAT(missing.status().message(), HasSubstr("none.png"));
+}
+
+TEST(ReadPicture, IsDecodingOfTheFilesBytes) {
+  const TemporaryFolder folder;
+  const std::string bytes = Encoded(".png", NoiseBgr(8, 8));
+  const std::string path = folder.Write("p.png", bytes);
+  EXPECT_EQ(*ReadPictureBytes(path, kImageFile, 8, 8), bytes);
+  EXPECT_EQ(*ReadPicture(path, kImageFile, 8, 8, 2), *DecodePicture(bytes, kImageFile, 8, 8, 2));
+}
+
+TEST(ToRgb, UndoesTheConversionUpToRounding) {
+  const cv::Mat image = NoiseBgr(40, 40);
+  const auto picture = DecodePicture(Encoded(".png", image), kImageFile, 40, 40, 1);
+  ASSERT_TRUE(picture.ok());
+  const RgbImage rgb = ToRgb(*picture);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      const auto& pixel = image.at<cv::Vec3b>(y, x);
+      // Half a grey level in Y' and in C, times at most 1.772, and the final rounding.
+      EXPECT_NEAR(rgb(x, y).r, pixel[2], 2);
+      EXPECT_NEAR(rgb(x, y).g, pixel[1], 2);
+      EXPECT_NEAR(rgb(x, y).b, pixel[0], 2);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace depthfarm

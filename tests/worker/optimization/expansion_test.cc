@@ -1,0 +1,127 @@
+#include "worker/optimization/expansion.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/cut_oracle.h"
+#include "tests/support/random_problem.h"
+
+namespace depthfarm {
+namespace {
+
+using test::MakeRandomProblem;
+using test::Random;
+using test::RandomProblem;
+
+TEST(TotalEnergy, EqualsTheSumWrittenOutFromEquationOne) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    Random random(seed);
+    const RandomProblem p = MakeRandomProblem(random, 12, 3, 5, 20);
+    EXPECT_EQ(TotalEnergy(p.problem, p.labels), test::EnergyPlainly(p.problem, p.labels)) << "seed " << seed;
+  }
+}
+
+TEST(TotalEnergy, AddsNothingForAPairOnDifferentLevels) {  // eq. (5), second case
+  LabellingProblem problem;
+  problem.num_nodes = 2;
+  problem.levels = {0, 1};
+  problem.matches_per_node = 1;
+  problem.matches = {{1, 100}, {}, {1, 90}, {}};
+  problem.fixed = {0, 0};
+  EXPECT_EQ(TotalEnergy(problem, {0, 0}), -100 * 128);
+  EXPECT_EQ(TotalEnergy(problem, {1, 1}), -90 * 128);
+  EXPECT_EQ(TotalEnergy(problem, {0, 1}), 0);
+  EXPECT_EQ(TotalEnergy(problem, {1, 0}), 0);
+}
+
+TEST(Expansion, MovesAreThoseOfTheOracleAndEnergyIsTracked) {
+  for (std::uint64_t seed = 0; seed < 150; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    RandomProblem p =
+        MakeRandomProblem(random, random.Int(3, 30), random.Int(2, 3), random.Int(2, 6), seed % 3 == 0 ? 30 : 0);
+    std::vector<Level> labels = p.labels;
+    Expansion expansion(p.problem, labels);
+    for (int sweep = 0; sweep < 2; ++sweep) {
+      for (std::size_t l = 0; l < p.problem.levels.size(); ++l) {
+        const std::vector<Level> expected = test::ExpandPlainly(p.problem, labels, p.problem.levels[l]);
+        const std::int64_t before = expansion.energy();
+        const std::int64_t delta = expansion.Expand(l);
+        ASSERT_EQ(labels, expected);
+        ASSERT_LE(delta, 0);
+        ASSERT_EQ(expansion.energy(), before + delta);
+        ASSERT_EQ(expansion.energy(), test::EnergyPlainly(p.problem, labels));
+      }
+    }
+  }
+}
+
+TEST(Expansion,
+     FindsTheOptimumOfTwoLevels) {  // against brute force: with two levels one move from the other level is global
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    Random random(seed);
+    RandomProblem p = MakeRandomProblem(random, 6, 2, 2, 0);
+    std::vector<Level> labels(p.problem.num_nodes, p.problem.levels[0]);
+    Expansion expansion(p.problem, labels);
+    expansion.Expand(1);
+    std::int64_t best = 0;
+    for (unsigned bits = 0; bits < (1U << p.problem.num_nodes); ++bits) {
+      std::vector<Level> candidate;
+      for (NodeIndex node = 0; node < p.problem.num_nodes; ++node)
+        candidate.push_back(p.problem.levels[(bits >> node) & 1U]);
+      best = std::min(best, test::EnergyPlainly(p.problem, candidate));
+      if (bits == 0) best = test::EnergyPlainly(p.problem, candidate);
+    }
+    EXPECT_EQ(expansion.energy(), best) << "seed " << seed;
+  }
+}
+
+TEST(Expansion, FixedNodesKeepTheirLabelButCountForOthers) {
+  LabellingProblem problem;
+  problem.num_nodes = 2;
+  problem.levels = {0, 1};
+  problem.matches_per_node = 1;
+  problem.matches = {{}, {0, 10}, {}, {0, 10}};
+  problem.fixed = {1, 0};
+  std::vector<Level> labels = {1, 0};
+  Expansion expansion(problem, labels);
+  EXPECT_EQ(expansion.Expand(0), 0);
+  EXPECT_LT(expansion.Expand(1), 0);  // node 1 earns its reward only on the fixed node's level
+  EXPECT_EQ(labels, (std::vector<Level>{1, 1}));
+}
+
+TEST(ExpandToConvergence, StopsWhereNoMoveLowersTheEnergy) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    RandomProblem p = MakeRandomProblem(random, 25, 3, 6, 10);
+    std::vector<Level> labels = p.labels;
+    WinnerTakesAll(p.problem, labels);
+    const ExpansionSummary summary = ExpandToConvergence(p.problem, labels, 0, {});
+    EXPECT_EQ(summary.energy, test::EnergyPlainly(p.problem, labels)) << "seed " << seed;
+    for (const Level alpha : p.problem.levels) {
+      EXPECT_EQ(test::EnergyPlainly(p.problem, test::ExpandPlainly(p.problem, labels, alpha)), summary.energy);
+    }
+  }
+}
+
+TEST(ExpandToConvergence, IsCancelledByItsStopToken) {
+  Random random(1);
+  RandomProblem p = MakeRandomProblem(random, 10, 2, 4, 0);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_TRUE(ExpandToConvergence(p.problem, p.labels, 0, stop.get_token()).cancelled);
+}
+
+TEST(WinnerTakesAll, TakesTheLargestSumAndTheFarthestOfEquals) {
+  LabellingProblem problem;
+  problem.num_nodes = 2;
+  problem.levels = {3, 5};
+  problem.matches_per_node = 2;
+  problem.matches = {{1, 10}, {1, 20}, {0, 5}, {}, {1, 30}, {}, {0, 6}, {}};
+  problem.fixed = {0, 0};
+  std::vector<Level> labels = {5, 3};
+  WinnerTakesAll(problem, labels);
+  EXPECT_EQ(labels, (std::vector<Level>{3, 5}));
+}
+
+}  // namespace
+}  // namespace depthfarm

@@ -1,0 +1,76 @@
+#include "worker/artifacts/memory_cache.h"
+
+#include <utility>
+#include <vector>
+
+namespace depthfarm {
+namespace {
+
+template <typename T>
+std::uint64_t VectorBytes(const std::vector<T>& vector) {
+  return vector.capacity() * sizeof(T);
+}
+
+}  // namespace
+
+std::uint64_t MemoryBytes(const ViewAnalysis& analysis) {
+  const SegmentMap& segments = analysis.segments;
+  return sizeof(ViewAnalysis) + VectorBytes(analysis.picture.values()) + VectorBytes(segments.labels.values()) +
+         VectorBytes(segments.centers) + VectorBytes(segments.means) + VectorBytes(segments.adjacency);
+}
+
+std::uint64_t MemoryBytes(const LabelField& field) {
+  std::uint64_t bytes = sizeof(LabelField) + VectorBytes(field.views);
+  for (const ViewLabels& view : field.views) bytes += VectorBytes(view.levels) + VectorBytes(view.unchanged);
+  return bytes;
+}
+
+void MemoryCache::Put(const ArtifactKey& key, std::shared_ptr<const ViewAnalysis> analysis) {
+  const std::uint64_t bytes = MemoryBytes(*analysis);
+  Insert(key, std::move(analysis), bytes);
+}
+
+void MemoryCache::Put(const ArtifactKey& key, std::shared_ptr<const LabelField> field) {
+  const std::uint64_t bytes = MemoryBytes(*field);
+  Insert(key, std::move(field), bytes);
+}
+
+std::shared_ptr<const ViewAnalysis> MemoryCache::FindAnalysis(const ArtifactKey& key) {
+  const Object* object = Use(key);
+  const auto* analysis = object == nullptr ? nullptr : std::get_if<std::shared_ptr<const ViewAnalysis>>(object);
+  return analysis == nullptr ? nullptr : *analysis;
+}
+
+std::shared_ptr<const LabelField> MemoryCache::FindLabels(const ArtifactKey& key) {
+  const Object* object = Use(key);
+  const auto* field = object == nullptr ? nullptr : std::get_if<std::shared_ptr<const LabelField>>(object);
+  return field == nullptr ? nullptr : *field;
+}
+
+void MemoryCache::Erase(const ArtifactKey& key) {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return;
+  total_bytes_ -= found->second->bytes;
+  used_.erase(found->second);
+  entries_.erase(found);
+}
+
+void MemoryCache::Insert(const ArtifactKey& key, Object object, std::uint64_t bytes) {
+  Erase(key);
+  if (bytes > max_bytes_) return;
+  while (total_bytes_ > max_bytes_ - bytes) {
+    const ArtifactKey oldest = used_.front().key;
+    Erase(oldest);
+  }
+  entries_[key] = used_.insert(used_.end(), Entry{key, std::move(object), bytes});
+  total_bytes_ += bytes;
+}
+
+const MemoryCache::Object* MemoryCache::Use(const ArtifactKey& key) {
+  const auto found = entries_.find(key);
+  if (found == entries_.end()) return nullptr;
+  used_.splice(used_.end(), used_, found->second);
+  return &found->second->object;
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,56 @@
+#ifndef DEPTHFARM_WORKER_ARTIFACTS_MEMORY_CACHE_H_
+#define DEPTHFARM_WORKER_ARTIFACTS_MEMORY_CACHE_H_
+
+#include <cstdint>
+#include <list>
+#include <map>
+#include <memory>
+#include <variant>
+
+#include "common/job/task.h"
+#include "worker/estimation/label_field.h"
+#include "worker/segmentation/analysis.h"
+
+namespace depthfarm {
+
+// Bytes an object occupies in memory, its vectors included.
+[[nodiscard]] std::uint64_t MemoryBytes(const ViewAnalysis& analysis);
+[[nodiscard]] std::uint64_t MemoryBytes(const LabelField& field);
+
+// Decoded artifacts by key, so that the blocks of a frame on one worker share its analysis instead of decoding it anew.
+// Bounded by the bytes of what it holds: the least recently used goes first, and an object larger than the bound is not
+// kept. Objects that a task still uses live on outside the bound after they were evicted.
+// Not thread-safe: the computing thread owns it.
+class MemoryCache {
+ public:
+  explicit MemoryCache(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
+
+  void Put(const ArtifactKey& key, std::shared_ptr<const ViewAnalysis> analysis);
+  void Put(const ArtifactKey& key, std::shared_ptr<const LabelField> field);
+  // Null when it is not here, or is the other kind of object.
+  [[nodiscard]] std::shared_ptr<const ViewAnalysis> FindAnalysis(const ArtifactKey& key);
+  [[nodiscard]] std::shared_ptr<const LabelField> FindLabels(const ArtifactKey& key);
+  void Erase(const ArtifactKey& key);
+
+  [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
+
+ private:
+  using Object = std::variant<std::shared_ptr<const ViewAnalysis>, std::shared_ptr<const LabelField>>;
+  struct Entry {
+    ArtifactKey key{};
+    Object object;
+    std::uint64_t bytes = 0;
+  };
+  void Insert(const ArtifactKey& key, Object object, std::uint64_t bytes);
+  // Marks the entry as used; null when there is none.
+  [[nodiscard]] const Object* Use(const ArtifactKey& key);
+
+  const std::uint64_t max_bytes_;
+  std::uint64_t total_bytes_ = 0;
+  std::list<Entry> used_;  // least recently used first
+  std::map<ArtifactKey, std::list<Entry>::iterator> entries_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_ARTIFACTS_MEMORY_CACHE_H_

@@ -1,0 +1,105 @@
+#include "worker/artifacts/store_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <new>
+#include <system_error>
+
+#include "common/files/atomic_file.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr std::string_view kMagic = "DFART001";
+
+Status Failed(const std::string& path, const std::string& action) {
+  return Unavailable(path + ": cannot " + action + ": " + std::generic_category().message(errno));
+}
+
+class OpenFile {
+ public:
+  explicit OpenFile(const std::string& path) : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (ok()) close(descriptor_);
+  }
+  [[nodiscard]] bool ok() const { return descriptor_ >= 0; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+// kUnavailable when the file ends before `count` bytes from `position` on.
+Result<std::string> ReadAt(const std::string& path, const OpenFile& file, std::uint64_t position, std::uint64_t count) {
+  try {
+    std::string bytes(static_cast<std::size_t>(count), '\0');
+    std::size_t have = 0;
+    while (have < bytes.size()) {
+      const ssize_t got =
+          pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(position + have));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) return Failed(path, "read the file");
+      if (got == 0) return Unavailable(path + ": ends before byte " + std::to_string(position + count));
+      have += static_cast<std::size_t>(got);
+    }
+    return bytes;
+  } catch (const std::bad_alloc&) {
+    return Unavailable(path + ": no memory for " + std::to_string(count) + " bytes of it");
+  }
+}
+
+}  // namespace
+
+Status WriteStoreFile(const std::string& path, const Sha256Digest& content_digest, std::string_view artifact) {
+  std::string file;
+  try {
+    file.reserve(kStoreFileHeaderBytes + artifact.size());
+  } catch (const std::bad_alloc&) {
+    return Unavailable(path + ": no memory for its " + std::to_string(artifact.size()) + " bytes");
+  }
+  file.append(kMagic);
+  file.append(reinterpret_cast<const char*>(content_digest.data()), content_digest.size());
+  for (int shift = 0; shift < 64; shift += 8) file.push_back(static_cast<char>((artifact.size() >> shift) & 0xff));
+  file.append(artifact);
+  return WriteFileAtomically(path, file);
+}
+
+Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
+  const OpenFile file(path);
+  if (!file.ok()) return Failed(path, "open the file");
+  struct stat facts {};
+  if (fstat(file.descriptor(), &facts) != 0) return Failed(path, "examine the file");
+  if (!S_ISREG(facts.st_mode)) return Corrupt(path + ": is not a regular file");
+  const auto size = static_cast<std::uint64_t>(facts.st_size);
+  if (size < kStoreFileHeaderBytes) {
+    return Corrupt(path + ": holds " + std::to_string(size) + " bytes, expected a header of " +
+                   std::to_string(kStoreFileHeaderBytes));
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string header, ReadAt(path, file, 0, kStoreFileHeaderBytes));
+  if (!header.starts_with(kMagic)) return Corrupt(path + ": is not an artifact file");
+  StoreFileHeader result;
+  std::copy_n(header.begin() + kMagic.size(), result.content_digest.size(), result.content_digest.begin());
+  for (int i = 7; i >= 0; --i) {
+    const auto byte = static_cast<unsigned char>(header[kMagic.size() + result.content_digest.size() + i]);
+    result.bytes = (result.bytes << 8) | byte;
+  }
+  if (result.bytes != size - kStoreFileHeaderBytes) {
+    return Corrupt(path + ": header says " + std::to_string(result.bytes) + " bytes, file holds " +
+                   std::to_string(size - kStoreFileHeaderBytes));
+  }
+  return result;
+}
+
+Result<std::string> ReadStoreFileBytes(const std::string& path, std::uint64_t offset, std::uint64_t count) {
+  const OpenFile file(path);
+  if (!file.ok()) return Failed(path, "open the file");
+  return ReadAt(path, file, kStoreFileHeaderBytes + offset, count);
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,37 @@
+#ifndef DEPTHFARM_WORKER_ARTIFACTS_STORE_FILE_H_
+#define DEPTHFARM_WORKER_ARTIFACTS_STORE_FILE_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "common/base/status.h"
+#include "common/digest/sha256.h"
+
+namespace depthfarm {
+
+// One artifact as a file: "DFART001", SHA-256 of the artifact (32 bytes), its size (8 bytes, little-endian), the
+// artifact.
+inline constexpr std::uint64_t kStoreFileHeaderBytes = 48;
+
+struct StoreFileHeader {
+  Sha256Digest content_digest{};
+  std::uint64_t bytes = 0;
+};
+
+// Header and artifact, written under another name and renamed. The folder must exist.
+// Errors: kUnavailable, naming the file and the system's reason.
+[[nodiscard]] Status WriteStoreFile(const std::string& path, const Sha256Digest& content_digest,
+                                    std::string_view artifact);
+
+// Errors: kUnavailable when the file cannot be read; kCorrupt when it is not such a file or its size does not fit its
+// header. The artifact itself is not looked at.
+[[nodiscard]] Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path);
+
+// `count` bytes of the artifact from `offset` on. Errors: kUnavailable (also when the file ends before).
+[[nodiscard]] Result<std::string> ReadStoreFileBytes(const std::string& path, std::uint64_t offset,
+                                                     std::uint64_t count);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_ARTIFACTS_STORE_FILE_H_

@@ -1,0 +1,106 @@
+#include "worker/estimation/estimation.h"
+
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "common/job/level_partition.h"
+#include "worker/estimation/frame_problem.h"
+#include "worker/merging/fusion.h"
+#include "worker/optimization/expansion.h"
+#include "worker/temporal/unchanged.h"
+
+namespace depthfarm {
+namespace {
+
+Status CheckReferences(const ResolvedJob& job, const TemporalReferences& references) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, references.previous_analysis).WithContext("previous frame"));
+  DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, references.i_analysis).WithContext("I frame"));
+  DEPTHFARM_RETURN_IF_ERROR(
+      CheckLabels(job, references.previous_analysis, *references.previous_labels).WithContext("previous frame"));
+  return CheckLabels(job, references.i_analysis, *references.i_labels).WithContext("I frame");
+}
+
+// Marks the unchanged segments of a P frame and gives them their adopted depth (III-E).
+void AdoptDepth(const ResolvedJob& job, const FrameAnalysis& analysis, const TemporalReferences& references,
+                const FrameProblem& frame, std::vector<Level>& labels, std::vector<std::uint8_t>& fixed) {
+  for (int view_index = 0; view_index < job.num_views(); ++view_index) {
+    const auto v = static_cast<std::size_t>(view_index);
+    const std::vector<AdoptedSegment> adopted =
+        FindUnchanged(analysis[v]->segments, references.previous_analysis[v]->segments,
+                      references.i_analysis[v]->segments, job.params.p_threshold, job.params.i_threshold);
+    for (std::size_t s = 0; s < adopted.size(); ++s) {
+      if (adopted[s].source == DepthSource::kEstimated) continue;
+      const LabelField& from =
+          adopted[s].source == DepthSource::kIFrame ? *references.i_labels : *references.previous_labels;
+      const std::size_t node = frame.offset(view_index) + s;
+      labels[node] = from.views[v].levels[adopted[s].collocated];
+      fixed[node] = 1;
+    }
+  }
+}
+
+}  // namespace
+
+Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
+                                 const TemporalReferences* references, int num_blocks, int block,
+                                 const std::stop_token& stop, EstimationStats* stats) {
+  if (num_blocks < 1 || num_blocks > job.params.levels || block < 0 || block >= num_blocks) {
+    return InvalidArgument("block " + std::to_string(block) + " of " + std::to_string(num_blocks) + " of " +
+                           std::to_string(job.params.levels) + " levels is asked for");
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
+  if (references != nullptr) DEPTHFARM_RETURN_IF_ERROR(CheckReferences(job, *references));
+
+  const FrameProblem frame(job, analysis);
+  LabellingProblem problem;
+  problem.num_nodes = frame.num_nodes();
+  problem.levels = LevelsOfBlock(job.params.levels, num_blocks, job.params.partition, block);
+  problem.matches_per_node = frame.matches_per_node();
+  problem.smoothness = frame.smoothness();
+  problem.fixed.assign(frame.num_nodes(), 0);
+  std::vector<Level> labels(frame.num_nodes(), problem.levels.front());
+  if (references != nullptr) AdoptDepth(job, analysis, *references, frame, labels, problem.fixed);
+  problem.matches = frame.MatchesOnLevels(problem.levels, stop);
+  if (stop.stop_requested()) return Cancelled();
+
+  WinnerTakesAll(problem, labels);
+  const ExpansionSummary summary = ExpandToConvergence(problem, labels, job.params.max_sweeps, stop);
+  if (summary.cancelled) return Cancelled();
+  if (stats != nullptr) {
+    stats->sweeps = summary.sweeps;
+    stats->moves = summary.moves;
+    stats->energy = summary.energy;
+    stats->segments = static_cast<int>(frame.num_nodes());
+    for (const std::uint8_t fixed : problem.fixed) stats->nodes += fixed == 0 ? 1 : 0;
+  }
+  return frame.FromNodes(labels, problem.fixed);
+}
+
+Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& first,
+                               const LabelField& second, const std::stop_token& stop, EstimationStats* stats) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
+  DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, first));
+  DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, second));
+  const FrameProblem frame(job, analysis);
+  FusionProblem problem;
+  problem.num_nodes = frame.num_nodes();
+  problem.matches_per_node = frame.matches_per_node();
+  problem.smoothness = &frame.smoothness();
+  problem.labels[0] = frame.ToNodes(first);
+  problem.labels[1] = frame.ToNodes(second);
+  for (const int map : {0, 1}) problem.matches[map] = frame.MatchesOnOwnLevels(problem.labels[map]);
+  if (stop.stop_requested()) return Cancelled();
+  const FusionResult fused = Fuse(problem);
+  if (stats != nullptr) {
+    stats->energy = fused.energy;
+    stats->segments = static_cast<int>(frame.num_nodes());
+  }
+  std::vector<std::uint8_t> unchanged;
+  unchanged.reserve(frame.num_nodes());
+  for (const ViewLabels& view : first.views)
+    unchanged.insert(unchanged.end(), view.unchanged.begin(), view.unchanged.end());
+  return frame.FromNodes(fused.labels, unchanged);
+}
+
+}  // namespace depthfarm

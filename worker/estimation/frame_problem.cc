@@ -1,0 +1,169 @@
+#include "worker/estimation/frame_problem.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "worker/cost/smoothness.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr NodeIndex kTileNodes = 64;  // nodes x levels x 8 bytes of a tile stay in the cache while they are transposed
+
+}  // namespace
+
+FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis)
+    : job_(job), analysis_(analysis), offsets_{0}, offset_steps_(MatchOffsetSteps(job.params.matching_offset)) {
+  const DepthLevels levels = job.Levels();
+  const SmoothnessCost cost(job.params.smoothing, job.params.levels);
+  for (std::size_t view_index = 0; view_index < job.views.size(); ++view_index) {
+    const SegmentMap& segments = analysis[view_index]->segments;
+    const NodeIndex offset = offsets_.back();
+    for (const SegmentMap::Adjacency& pair : segments.adjacency) {
+      const std::int32_t beta = cost.Beta(segments.means[pair.first], segments.means[pair.second]);
+      if (beta != 0) smoothness_.push_back({offset + pair.first, offset + pair.second, beta});
+    }
+    offsets_.push_back(offset + static_cast<NodeIndex>(segments.num_segments()));
+
+    std::vector<Pair> pairs;
+    for (const int neighbour : job.views[view_index].neighbours) {
+      const Camera& other = job.views[static_cast<std::size_t>(neighbour)].camera;
+      pairs.push_back({neighbour, MatchGeometry(job.views[view_index].camera, other, levels)});
+    }
+    matches_per_node_ = std::max(matches_per_node_, static_cast<int>(pairs.size()));
+    pairs_.push_back(std::move(pairs));
+  }
+}
+
+MatchLink FrameProblem::MatchAt(int view_index, const Pair& pair, PixelPosition center, PixelPosition target) const {
+  const ViewAnalysis& view = *analysis_[static_cast<std::size_t>(view_index)];
+  const ViewAnalysis& neighbour = *analysis_[static_cast<std::size_t>(pair.neighbour)];
+  const WindowDifference difference =
+      WindowColorDifference(view.picture, neighbour.picture, center, target, job_.params.matching_window);
+  return {offset(pair.neighbour) + neighbour.segments.labels(target.x, target.y),
+          MatchReward(difference, offset_steps_)};
+}
+
+// tile: [level index][node - begin]
+void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const std::vector<Level>& levels,
+                            std::vector<MatchLink>& tile) const {
+  const Pair& pair = pairs_[static_cast<std::size_t>(view_index)][static_cast<std::size_t>(slot)];
+  const SegmentMap& segments = analysis_[static_cast<std::size_t>(view_index)]->segments;
+  for (NodeIndex segment = begin; segment < end; ++segment) {
+    const PixelPosition center = segments.centers[segment];
+    std::optional<PixelPosition> last;
+    MatchLink match;
+    for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
+      const std::optional<PixelPosition> target = pair.geometry.Target(center, levels[level_index]);
+      if (!target) {
+        match = {};
+      } else if (target != last) {
+        match = MatchAt(view_index, pair, center, *target);
+      }
+      last = target;
+      tile[level_index * kTileNodes + (segment - begin)] = match;
+    }
+  }
+}
+
+std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& levels,
+                                                     const std::stop_token& stop) const {
+  const auto width = static_cast<std::size_t>(matches_per_node_);
+  std::vector<MatchLink> matches(levels.size() * num_nodes() * width);
+  std::vector<MatchLink> tile(levels.size() * kTileNodes);
+  for (int view_index = 0; view_index < job_.num_views(); ++view_index) {
+    const NodeIndex segments = offset(view_index + 1) - offset(view_index);
+    const int slots = static_cast<int>(pairs_[static_cast<std::size_t>(view_index)].size());
+    for (int slot = 0; slot < slots; ++slot) {
+      for (NodeIndex begin = 0; begin < segments; begin += kTileNodes) {
+        if (stop.stop_requested()) return {};
+        const NodeIndex end = std::min(begin + kTileNodes, segments);
+        FillTile(view_index, slot, begin, end, levels, tile);
+        for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
+          MatchLink* row = matches.data() + (level_index * num_nodes() + offset(view_index) + begin) * width;
+          const MatchLink* from = tile.data() + level_index * kTileNodes;
+          for (NodeIndex i = 0; i < end - begin; ++i) row[i * width + static_cast<std::size_t>(slot)] = from[i];
+        }
+      }
+    }
+  }
+  return matches;
+}
+
+std::vector<MatchLink> FrameProblem::MatchesOnOwnLevels(const std::vector<Level>& labels) const {
+  const auto width = static_cast<std::size_t>(matches_per_node_);
+  std::vector<MatchLink> matches(num_nodes() * width);
+  for (int view_index = 0; view_index < job_.num_views(); ++view_index) {
+    const SegmentMap& segments = analysis_[static_cast<std::size_t>(view_index)]->segments;
+    const std::vector<Pair>& pairs = pairs_[static_cast<std::size_t>(view_index)];
+    for (NodeIndex segment = 0; segment < static_cast<NodeIndex>(segments.num_segments()); ++segment) {
+      const NodeIndex node = offset(view_index) + segment;
+      for (std::size_t slot = 0; slot < pairs.size(); ++slot) {
+        const PixelPosition center = segments.centers[segment];
+        const std::optional<PixelPosition> target = pairs[slot].geometry.Target(center, labels[node]);
+        if (target) matches[node * width + slot] = MatchAt(view_index, pairs[slot], center, *target);
+      }
+    }
+  }
+  return matches;
+}
+
+std::vector<Level> FrameProblem::ToNodes(const LabelField& field) const {
+  std::vector<Level> labels;
+  labels.reserve(num_nodes());
+  for (const ViewLabels& view : field.views) labels.insert(labels.end(), view.levels.begin(), view.levels.end());
+  return labels;
+}
+
+LabelField FrameProblem::FromNodes(const std::vector<Level>& labels, const std::vector<std::uint8_t>& unchanged) const {
+  LabelField field;
+  for (int view_index = 0; view_index < job_.num_views(); ++view_index) {
+    const auto begin = static_cast<std::ptrdiff_t>(offset(view_index));
+    const auto end = static_cast<std::ptrdiff_t>(offset(view_index + 1));
+    field.views.push_back(
+        {{labels.begin() + begin, labels.begin() + end}, {unchanged.begin() + begin, unchanged.begin() + end}});
+  }
+  return field;
+}
+
+Status CheckAnalysis(const ResolvedJob& job, const FrameAnalysis& analysis) {
+  if (analysis.size() != job.views.size()) {
+    return InvalidArgument("there are " + std::to_string(analysis.size()) + " analyses for " +
+                           std::to_string(job.views.size()) + " views");
+  }
+  for (std::size_t i = 0; i < analysis.size(); ++i) {
+    const Camera& camera = job.views[i].camera;
+    const Grid<SegmentIndex>& labels = analysis[i]->segments.labels;
+    if (labels.width() != camera.width || labels.height() != camera.height ||
+        analysis[i]->picture.width() != camera.width || analysis[i]->picture.height() != camera.height) {
+      return InvalidArgument("the analysis of camera '" + camera.name + "' is " + std::to_string(labels.width()) + "x" +
+                             std::to_string(labels.height()) + ", expected " + std::to_string(camera.width) + "x" +
+                             std::to_string(camera.height));
+    }
+  }
+  return {};
+}
+
+Status CheckLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& field) {
+  if (field.views.size() != job.views.size()) {
+    return InvalidArgument("a label field has " + std::to_string(field.views.size()) + " views, expected " +
+                           std::to_string(job.views.size()));
+  }
+  for (std::size_t i = 0; i < field.views.size(); ++i) {
+    const auto segments = static_cast<std::size_t>(analysis[i]->segments.num_segments());
+    const ViewLabels& view = field.views[i];
+    const bool in_range =
+        std::all_of(view.levels.begin(), view.levels.end(), [&](Level level) { return level < job.params.levels; });
+    if (view.levels.size() != segments || view.unchanged.size() != segments || !in_range) {
+      return InvalidArgument("the labels of camera '" + job.views[i].camera.name + "' do not fit its " +
+                             std::to_string(segments) + " segments and " + std::to_string(job.params.levels) +
+                             " levels");
+    }
+  }
+  return {};
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,66 @@
+#ifndef DEPTHFARM_WORKER_ESTIMATION_FRAME_PROBLEM_H_
+#define DEPTHFARM_WORKER_ESTIMATION_FRAME_PROBLEM_H_
+
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+#include "worker/cost/matching.h"
+#include "worker/estimation/estimation.h"
+#include "worker/merging/fusion.h"
+#include "worker/optimization/labelling_problem.h"
+
+namespace depthfarm {
+
+// Turns the analyses of one frame into the numbers of eq. (1): one node numbering over all views, V links within views,
+// M links between them.
+class FrameProblem {
+ public:
+  // `job` and `analysis` must outlive this. Sizes must have been checked (CheckAnalysis).
+  FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis);
+
+  [[nodiscard]] NodeIndex num_nodes() const { return offsets_.back(); }
+  // First node of a view; view num_views: the end.
+  [[nodiscard]] NodeIndex offset(int view_index) const { return offsets_[static_cast<std::size_t>(view_index)]; }
+  [[nodiscard]] const std::vector<SmoothnessLink>& smoothness() const { return smoothness_; }
+  [[nodiscard]] int matches_per_node() const { return matches_per_node_; }
+
+  // The matches of every node on every level of `levels` ([level index][node][slot]). Work: levels x nodes x D windows,
+  // less those of levels that fall on the same pixel as the one before. Empty when cancelled.
+  [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
+                                                       const std::stop_token& stop) const;
+
+  // The matches of every node on the level it holds ([node][slot]).
+  [[nodiscard]] std::vector<MatchLink> MatchesOnOwnLevels(const std::vector<Level>& labels) const;
+
+  // Label fields by view <-> labels by node.
+  [[nodiscard]] std::vector<Level> ToNodes(const LabelField& field) const;
+  [[nodiscard]] LabelField FromNodes(const std::vector<Level>& labels,
+                                     const std::vector<std::uint8_t>& unchanged) const;
+
+ private:
+  struct Pair {  // one view matched against one of its neighbours
+    int neighbour = 0;
+    MatchGeometry geometry;
+  };
+  [[nodiscard]] MatchLink MatchAt(int view_index, const Pair& pair, PixelPosition center, PixelPosition target) const;
+  void FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const std::vector<Level>& levels,
+                std::vector<MatchLink>& tile) const;
+
+  const ResolvedJob& job_;
+  const FrameAnalysis& analysis_;
+  std::vector<NodeIndex> offsets_;
+  std::vector<std::vector<Pair>> pairs_;  // [view][slot]
+  std::vector<SmoothnessLink> smoothness_;
+  int matches_per_node_ = 0;
+  std::int32_t offset_steps_ = 0;
+};
+
+// kInvalidArgument unless `analysis` has one analysis per view, of the view's size and with segments.
+[[nodiscard]] Status CheckAnalysis(const ResolvedJob& job, const FrameAnalysis& analysis);
+// kInvalidArgument unless `field` has one level below L per segment of each view.
+[[nodiscard]] Status CheckLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& field);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_ESTIMATION_FRAME_PROBLEM_H_

@@ -1,0 +1,30 @@
+#include "worker/execution/analysis_key.h"
+
+#include <bit>
+#include <string>
+
+#include "common/digest/sha256.h"
+
+namespace depthfarm {
+
+ArtifactKey AnalysisKey(const JobView& view, const EstimationParams& params, const ContentDigest& picture_digest) {
+  // One "name value" line each: no two lists of values give the same text.
+  std::string text = "analyse\n";
+  const auto add = [&text](const char* name, std::uint64_t value) {
+    text += std::string(name) + " " + std::to_string(value) + "\n";
+  };
+  add("algorithm_version", kAlgorithmVersion);
+  add("kind", static_cast<std::uint64_t>(view.format.kind));
+  add("bits", static_cast<std::uint64_t>(view.format.bits));
+  add("full_range", view.format.full_range ? 1 : 0);
+  add("bt709", view.format.bt709 ? 1 : 0);
+  add("source_width", static_cast<std::uint64_t>(view.source_width));
+  add("source_height", static_cast<std::uint64_t>(view.source_height));
+  add("downscale", static_cast<std::uint64_t>(params.downscale));
+  add("segments", static_cast<std::uint64_t>(view.segments));
+  add("compactness_bits", std::bit_cast<std::uint64_t>(params.snic_compactness));
+  text += "picture " + Hex(picture_digest) + "\n";
+  return Sha256(text);
+}
+
+}  // namespace depthfarm

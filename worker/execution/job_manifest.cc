@@ -1,0 +1,76 @@
+#include "worker/execution/job_manifest.h"
+
+#include <cstdint>
+#include <string>
+
+#include "common/digest/sha256.h"
+
+namespace depthfarm {
+namespace {
+
+std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job) {
+  const EstimationParams& params = job.params;
+  const auto integer = [](int value) { return ManifestNumberOrText(static_cast<std::int64_t>(value)); };
+  std::map<std::string, ManifestNumberOrText> parameters{
+      {"reference", job.reference.name},
+      {"levels", integer(params.levels)},
+      {"zNear", params.z_near},
+      {"zFar", params.z_far},
+      {"smoothing", params.smoothing},
+      {"matchingWindow", integer(params.matching_window)},
+      {"matchingOffset", params.matching_offset},
+      {"snicCompactness", params.snic_compactness},
+      {"gop", integer(params.gop)},
+      {"pThreshold", integer(params.p_threshold)},
+      {"iThreshold", integer(params.i_threshold)},
+      {"levelBlocksI", integer(job.level_blocks_i)},
+      {"levelBlocksP", integer(job.level_blocks_p)},
+      {"partition", params.partition == Partition::kContiguous ? "blocks" : "interleaved"},
+      {"maxSweeps", integer(params.max_sweeps)},
+      {"neighbours", integer(params.neighbours)},
+      {"downscale", integer(params.downscale)},
+  };
+  for (const JobView& view : job.views) parameters["segments/" + view.camera.name] = integer(view.segments);
+  return parameters;
+}
+
+}  // namespace
+
+Result<DepthManifest> ManifestOf(const JobConfig& config, const std::vector<OutputFile>& files,
+                                 const std::vector<ContentDigest>& picture_digests) {
+  const ResolvedJob& job = config.resolved;
+  const auto num_frames = static_cast<std::size_t>(job.num_frames);
+  const std::size_t num_views = job.views.size();
+  if (files.size() != num_frames * num_views || picture_digests.size() != num_frames * num_views) {
+    return InvalidArgument("manifest of " + std::to_string(num_frames) + " frames and " + std::to_string(num_views) +
+                           " views: " + std::to_string(files.size()) + " files and " +
+                           std::to_string(picture_digests.size()) + " picture digests, expected " +
+                           std::to_string(num_frames * num_views));
+  }
+  DepthManifest manifest{.sequence = config.sequence_name,
+                         .algorithm_version = config.algorithm_version,
+                         .first_frame = job.params.first_frame,
+                         .parameters = ParametersOf(job),
+                         .cameras = {}};
+  for (std::size_t v = 0; v < num_views; ++v) {
+    const JobView& view = job.views[v];
+    DepthManifestCamera camera{.camera = view.camera,
+                               .z_near = view.own_range.z_near,
+                               .z_far = view.own_range.z_far,
+                               .files = {},
+                               .input_sha256 = {}};
+    for (std::size_t frame = 0; frame < num_frames; ++frame) {
+      const OutputFile& file = files[frame * num_views + v];
+      const std::string expected = DepthFileName(view.camera.name, job.params.first_frame + static_cast<int>(frame));
+      if ("depth/" + file.path != expected) {
+        return InvalidArgument("manifest: file 'depth/" + file.path + "', expected '" + expected + "'");
+      }
+      camera.files.push_back({expected, Hex(file.sha256)});
+      camera.input_sha256.push_back(Hex(picture_digests[frame * num_views + v]));
+    }
+    manifest.cameras.push_back(std::move(camera));
+  }
+  return manifest;
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,20 @@
+#ifndef DEPTHFARM_WORKER_EXECUTION_JOB_MANIFEST_H_
+#define DEPTHFARM_WORKER_EXECUTION_JOB_MANIFEST_H_
+
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/task_spec.h"
+#include "common/sequence/depth_manifest.h"
+
+namespace depthfarm {
+
+// depth.json of a job from its depth files and the digests of its pictures, both by frame, then view. A function of the
+// job alone: nothing of when, where and by how many workers it was run. kInvalidArgument when the lists are not frames
+// x views long or a file is not in its camera's folder.
+[[nodiscard]] Result<DepthManifest> ManifestOf(const JobConfig& config, const std::vector<OutputFile>& files,
+                                               const std::vector<ContentDigest>& picture_digests);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_EXECUTION_JOB_MANIFEST_H_

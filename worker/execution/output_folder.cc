@@ -1,0 +1,127 @@
+#include "worker/execution/output_folder.h"
+
+#include <algorithm>
+#include <system_error>
+
+#include "common/digest/sha256.h"
+#include "common/files/atomic_file.h"
+
+namespace depthfarm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMarker = ".depthfarm-job";
+constexpr const char* kStaging = ".depthfarm-staging";
+constexpr const char* kDepth = "depth";
+
+// One component of a path: it cannot lead anywhere else.
+bool IsPlainName(std::string_view name) {
+  return !name.empty() && name != "." && name != ".." && std::ranges::none_of(name, [](char c) {
+    return c == '/' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+  });
+}
+
+// "<camera>/<file>".
+Status CheckOutputPath(const std::string& path) {
+  const std::size_t slash = path.find('/');
+  if (slash != std::string::npos && IsPlainName(std::string_view(path).substr(0, slash)) &&
+      IsPlainName(std::string_view(path).substr(slash + 1))) {
+    return {};
+  }
+  return InvalidArgument("output file '" + path + "': expected <camera>/<file>");
+}
+
+Status RemoveAll(const fs::path& path) {
+  std::error_code error;
+  fs::remove_all(path, error);
+  if (error) return Unavailable(path.string() + ": cannot remove: " + error.message());
+  return {};
+}
+
+bool Exists(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(fs::symlink_status(path, ignored));
+}
+
+// Ok when the file holds what `expected` says.
+Status CheckContent(const fs::path& path, const OutputFile& expected) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, ReadFileBytes(path.string(), expected.bytes));
+  if (Sha256(bytes) == expected.sha256) return {};
+  return Corrupt(path.string() + ": its SHA-256 is not that of the depth map that was written");
+}
+
+}  // namespace
+
+Result<OutputFolder> OutputFolder::At(const std::string& dir) {
+  const fs::path path(dir);
+  const bool climbs = std::ranges::find(path, fs::path("..")) != path.end();
+  if (!path.is_absolute() || climbs || path == path.root_path()) {
+    return InvalidArgument("output folder '" + dir + "': expected an absolute path of a folder without '..'");
+  }
+  return OutputFolder(path);
+}
+
+Status OutputFolder::Prepare() const {
+  DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(dir_.string()));
+  const bool ours = Exists(dir_ / kDepthManifestName) || Exists(dir_ / kMarker);
+  if (Exists(dir_ / kDepth) && !ours) {
+    return InvalidArgument((dir_ / kDepth).string() +
+                           ": exists and was not made by depthfarm (no depth.json beside it): choose another folder");
+  }
+  // The marker first: a worker that dies below leaves a folder that is still known to be ours.
+  DEPTHFARM_RETURN_IF_ERROR(
+      WriteFileAtomically((dir_ / kMarker).string(), "a depthfarm job writes into this folder\n"));
+  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(dir_ / kDepthManifestName));
+  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(dir_ / kDepth));
+  return RemoveStaging();
+}
+
+Result<fs::path> OutputFolder::StagingOf(const std::string& staging) const {
+  if (!IsPlainName(staging)) return InvalidArgument("staging folder '" + staging + "': expected a plain name");
+  return dir_ / kStaging / staging;
+}
+
+Status OutputFolder::Stage(const std::string& staging, const std::string& path, std::string_view bytes) const {
+  DEPTHFARM_RETURN_IF_ERROR(CheckOutputPath(path));
+  DEPTHFARM_ASSIGN_OR_RETURN(const fs::path folder, StagingOf(staging));
+  // An attempt that outlives its job must not make folders in what is a finished result.
+  if (!Exists(dir_ / kMarker)) return Unavailable(dir_.string() + ": belongs to no job (" + kMarker + " is missing)");
+  const fs::path file = folder / path;
+  DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(file.parent_path().string()));
+  return WriteFileAtomically(file.string(), bytes);
+}
+
+Status OutputFolder::Commit(const std::string& staging, const std::vector<OutputFile>& files) const {
+  DEPTHFARM_ASSIGN_OR_RETURN(const fs::path folder, StagingOf(staging));
+  for (const OutputFile& file : files) DEPTHFARM_RETURN_IF_ERROR(CheckOutputPath(file.path));
+  for (const OutputFile& file : files) DEPTHFARM_RETURN_IF_ERROR(CommitFile(folder, file));
+  return RemoveAll(folder);
+}
+
+Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file) const {
+  const fs::path source = staging / file.path;
+  const fs::path target = dir_ / kDepth / file.path;
+  if (!Exists(source)) {
+    if (Exists(target)) return CheckContent(target, file);  // an earlier attempt of this commit got that far
+    return Unavailable(source.string() + ": is missing, and so is " + target.string());
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckContent(source, file));
+  DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(target.parent_path().string()));
+  std::error_code error;
+  fs::rename(source, target, error);
+  if (!error) return {};
+  // Two attempts of one commit: the other one may have moved the file between our look and our rename.
+  if (Exists(target) && CheckContent(target, file).ok()) return {};
+  return Unavailable(target.string() + ": cannot move the file there: " + error.message());
+}
+
+Status OutputFolder::Finish(const DepthManifest& manifest) const {
+  DEPTHFARM_RETURN_IF_ERROR(WriteDepthManifest(dir_.string(), manifest));
+  DEPTHFARM_RETURN_IF_ERROR(RemoveStaging());
+  return RemoveAll(dir_ / kMarker);
+}
+
+Status OutputFolder::RemoveStaging() const { return RemoveAll(dir_ / kStaging); }
+
+}  // namespace depthfarm

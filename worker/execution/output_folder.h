@@ -1,0 +1,53 @@
+#ifndef DEPTHFARM_WORKER_EXECUTION_OUTPUT_FOLDER_H_
+#define DEPTHFARM_WORKER_EXECUTION_OUTPUT_FOLDER_H_
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/task_spec.h"
+#include "common/sequence/depth_manifest.h"
+
+namespace depthfarm {
+
+// The folder of a job's result, DIR, and the only code that writes into it:
+//
+//   DIR/.depthfarm-job              marker: a job owns the folder
+//   DIR/.depthfarm-staging/<name>/  files of one attempt of Emit
+//   DIR/depth/<camera>/<frame>.png  committed files
+//   DIR/depth.json                  last of all
+//
+// Every path from a task is checked to be plain names below these. Every function may be called again after a worker
+// died in the middle of it. Errors: kInvalidArgument for paths and foreign folders, else kUnavailable; all name the
+// path.
+class OutputFolder {
+ public:
+  // Touches nothing. kInvalidArgument unless `dir` is absolute and without "..".
+  [[nodiscard]] static Result<OutputFolder> At(const std::string& dir);
+
+  // Makes the folder ready for a job: an older result of depthfarm in it is removed. kInvalidArgument when DIR/depth
+  // exists but nothing says that depthfarm made it.
+  [[nodiscard]] Status Prepare() const;
+  // Writes a file of an attempt, in whole or not at all. kUnavailable when the folder belongs to no job (any more).
+  [[nodiscard]] Status Stage(const std::string& staging, const std::string& path, std::string_view bytes) const;
+  // Renames an attempt's files into place and removes its folder. kCorrupt when a file is not what its digest says,
+  // kUnavailable when it is in neither place.
+  [[nodiscard]] Status Commit(const std::string& staging, const std::vector<OutputFile>& files) const;
+  // Writes depth.json and gives the folder up.
+  [[nodiscard]] Status Finish(const DepthManifest& manifest) const;
+  // Removes all attempts. The marker stays: the next job may take the folder over.
+  [[nodiscard]] Status RemoveStaging() const;
+
+ private:
+  explicit OutputFolder(std::filesystem::path dir) : dir_(std::move(dir)) {}
+  [[nodiscard]] Result<std::filesystem::path> StagingOf(const std::string& staging) const;
+  [[nodiscard]] Status CommitFile(const std::filesystem::path& staging, const OutputFile& file) const;
+
+  std::filesystem::path dir_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_EXECUTION_OUTPUT_FOLDER_H_

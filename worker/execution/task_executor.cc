@@ -1,0 +1,272 @@
+#include "worker/execution/task_executor.h"
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "common/digest/sha256.h"
+#include "common/media/depth_file.h"
+#include "common/media/picture_reader.h"
+#include "worker/estimation/estimation.h"
+#include "worker/estimation/label_field_codec.h"
+#include "worker/execution/analysis_key.h"
+#include "worker/execution/job_manifest.h"
+#include "worker/execution/output_folder.h"
+#include "worker/execution/resource_usage.h"
+#include "worker/segmentation/analysis_codec.h"
+
+namespace depthfarm {
+
+// What the steps of one task share.
+struct TaskExecutor::Task {
+  const TaskSpec& spec;
+  const JobConfig& config;
+  const std::stop_token& stop;
+  TaskInputs& inputs;
+
+  [[nodiscard]] const ResolvedJob& job() const { return config.resolved; }
+  [[nodiscard]] int SequenceFrame() const { return job().params.first_frame + spec.id.frame; }
+  [[nodiscard]] std::string FrameName() const { return "frame " + std::to_string(SequenceFrame()); }
+  [[nodiscard]] Status LoadInputs() const { return inputs.Load(spec, job().num_views()).WithContext(FrameName()); }
+};
+
+namespace {
+
+// Every kind that has a frame names one of the job.
+Status CheckFrame(const TaskSpec& spec, const ResolvedJob& job) {
+  if (spec.id.frame >= 0 && spec.id.frame < job.num_frames) return {};
+  return InvalidArgument(TaskName(spec.id) + ": the job has frames 0 to " + std::to_string(job.num_frames - 1));
+}
+
+// DepthCodes takes for granted that its three parts fit each other.
+Status CheckLabelsFit(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& field) {
+  if (field.views.size() != analysis.size()) {
+    return InvalidArgument("labels of " + std::to_string(field.views.size()) + " views, expected " +
+                           std::to_string(analysis.size()));
+  }
+  for (std::size_t v = 0; v < analysis.size(); ++v) {
+    const Camera& camera = job.views[v].camera;
+    const SegmentMap& segments = analysis[v]->segments;
+    if (segments.labels.width() != camera.width || segments.labels.height() != camera.height) {
+      return InvalidArgument("camera '" + camera.name + "': analysis of " + std::to_string(segments.labels.width()) +
+                             "x" + std::to_string(segments.labels.height()) + " pixels, expected " +
+                             std::to_string(camera.width) + "x" + std::to_string(camera.height));
+    }
+    const std::vector<Level>& levels = field.views[v].levels;
+    if (levels.size() != static_cast<std::size_t>(segments.num_segments())) {
+      return InvalidArgument("camera '" + camera.name + "': labels of " + std::to_string(levels.size()) +
+                             " segments, expected " + std::to_string(segments.num_segments()));
+    }
+    for (const Level level : levels) {
+      if (level >= job.params.levels) {
+        return InvalidArgument("camera '" + camera.name + "': level " + std::to_string(level) + ", the job has " +
+                               std::to_string(job.params.levels));
+      }
+    }
+  }
+  return {};
+}
+
+void Count(const EstimationStats& from, TaskStats& to) {
+  to.sweeps = static_cast<std::uint32_t>(from.sweeps);
+  to.energy = from.energy;
+  to.nodes = static_cast<std::uint32_t>(from.nodes);
+  to.segments = static_cast<std::uint32_t>(from.segments);
+}
+
+std::vector<ArtifactKey> KeysOf(const TaskSpec& spec) {
+  std::vector<ArtifactKey> keys;
+  for (const TaskInput& input : spec.inputs) keys.push_back(input.artifact.key);
+  if (spec.output_key.has_value()) keys.push_back(*spec.output_key);
+  return keys;
+}
+
+}  // namespace
+
+TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
+  const ResourceUsage before = UsageOfThread();
+  const auto start = std::chrono::steady_clock::now();
+  TaskOutcome outcome;
+  TaskInputs inputs(store_, cache_, fetcher_, stop);
+  try {
+    const ArtifactPins pins = store_.Pin(KeysOf(spec));
+    outcome.status = Run({spec, config, stop, inputs}, outcome);
+  } catch (const std::bad_alloc&) {
+    outcome.status = Unavailable(TaskName(spec.id) + ": no memory left on this worker");
+  } catch (const std::exception& error) {
+    outcome.status = Internal(TaskName(spec.id) + ": " + error.what());
+  }
+  if (stop.stop_requested() && !outcome.status.ok()) outcome.status = Cancelled();
+  outcome.missing_inputs = inputs.missing();
+  const ResourceUsage after = UsageOfThread();
+  outcome.stats.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  outcome.stats.cpu_seconds = after.cpu_seconds - before.cpu_seconds;
+  outcome.stats.peak_memory_bytes = after.peak_memory_bytes;
+  outcome.stats.fetch_seconds = inputs.fetch_seconds();
+  outcome.stats.fetched_bytes = inputs.fetched_bytes();
+  return outcome;
+}
+
+Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
+  if (task.config.algorithm_version != kAlgorithmVersion) {
+    return {ErrorCode::kIncompatible, "the job pins algorithm version " +
+                                          std::to_string(task.config.algorithm_version) + ", this worker has " +
+                                          std::to_string(kAlgorithmVersion)};
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckFrame(task.spec, task.job()));
+  switch (task.spec.id.kind) {
+    case TaskKind::kAnalyse:
+      return Analyse(task, outcome);
+    case TaskKind::kEstimate:
+      return Estimate(task, outcome);
+    case TaskKind::kMerge:
+      return Merge(task, outcome);
+    case TaskKind::kEmit:
+      return Emit(task, outcome);
+    case TaskKind::kCommit:
+      return Commit(task);
+    case TaskKind::kManifest:
+      return Manifest(task);
+    case TaskKind::kPrepare:
+    case TaskKind::kCleanup: {
+      DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+      return task.spec.id.kind == TaskKind::kPrepare ? folder.Prepare() : folder.RemoveStaging();
+    }
+  }
+  return InvalidArgument("task of an unknown kind");
+}
+
+Status TaskExecutor::Analyse(const Task& task, TaskOutcome& outcome) {
+  const int view_index = task.spec.id.index;
+  if (view_index < 0 || view_index >= task.job().num_views()) {
+    return InvalidArgument(TaskName(task.spec.id) + ": the job has " + std::to_string(task.job().num_views()) +
+                           " views");
+  }
+  const JobView& view = task.job().views[static_cast<std::size_t>(view_index)];
+  return AnalysePicture(task, view, outcome).WithContext("camera '" + view.camera.name + "', " + task.FrameName());
+}
+
+Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskOutcome& outcome) {
+  const std::string& path = task.spec.picture;
+  const EstimationParams& params = task.job().params;
+  ContentDigest digest;
+  YcbcrImage picture;
+  {
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes,
+                               ReadPictureBytes(path, view.format, view.source_width, view.source_height));
+    digest = Sha256(bytes);
+    const ArtifactKey key = AnalysisKey(view, params, digest);
+    outcome.picture_digest = digest;
+    outcome.output_key = key;
+    if (const auto known = task.inputs.FindAnalysis(key); known != nullptr) {
+      outcome.artifact = store_.Find(key);
+      outcome.stats.segments = static_cast<std::uint32_t>(known->segments.num_segments());
+      outcome.stats.reused = outcome.artifact.has_value();
+      if (outcome.stats.reused) return {};
+    }
+    Result<YcbcrImage> decoded =
+        DecodePicture(bytes, view.format, view.source_width, view.source_height, params.downscale);
+    if (!decoded.ok()) return decoded.status().WithContext(path);
+    picture = std::move(*decoded);
+  }
+  if (task.stop.stop_requested()) return Cancelled();
+  DEPTHFARM_ASSIGN_OR_RETURN(ViewAnalysis analysis,
+                             AnalyseView(std::move(picture), view.segments, params.snic_compactness, task.stop));
+  outcome.stats.segments = static_cast<std::uint32_t>(analysis.segments.num_segments());
+  DEPTHFARM_ASSIGN_OR_RETURN(outcome.artifact, store_.Put(*outcome.output_key, EncodeAnalysis(analysis)));
+  cache_.Put(*outcome.output_key, std::make_shared<const ViewAnalysis>(std::move(analysis)));
+  return {};
+}
+
+Status TaskExecutor::Estimate(const Task& task, TaskOutcome& outcome) {
+  const int frame = task.spec.id.frame;
+  const int num_blocks = task.job().NumBlocks(frame);
+  if (!task.spec.output_key.has_value() || task.spec.id.index < 0 || task.spec.id.index >= num_blocks) {
+    return InvalidArgument(TaskName(task.spec.id) + ": expected an output key and a block below " +
+                           std::to_string(num_blocks));
+  }
+  if (Reuse(task, outcome)) return {};
+  DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
+  DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
+  std::optional<TemporalReferences> references;
+  if (!task.job().IsIFrame(frame)) {
+    references.emplace();
+    DEPTHFARM_ASSIGN_OR_RETURN(references->previous_analysis, task.inputs.Analyses(InputRole::kPreviousAnalysis));
+    DEPTHFARM_ASSIGN_OR_RETURN(references->i_analysis, task.inputs.Analyses(InputRole::kIAnalysis));
+    DEPTHFARM_ASSIGN_OR_RETURN(const auto previous, task.inputs.Labels(InputRole::kPreviousLabels, 1));
+    DEPTHFARM_ASSIGN_OR_RETURN(const auto i_frame, task.inputs.Labels(InputRole::kILabels, 1));
+    references->previous_labels = previous[0];
+    references->i_labels = i_frame[0];
+  }
+  EstimationStats stats;
+  Result<LabelField> field = EstimateBlock(task.job(), analysis, references.has_value() ? &*references : nullptr,
+                                           num_blocks, task.spec.id.index, task.stop, &stats);
+  if (!field.ok()) return field.status().WithContext(task.FrameName());
+  Count(stats, outcome.stats);
+  return StoreLabels(task, std::move(*field), outcome);
+}
+
+Status TaskExecutor::Merge(const Task& task, TaskOutcome& outcome) {
+  if (!task.spec.output_key.has_value()) return InvalidArgument(TaskName(task.spec.id) + ": expected an output key");
+  if (Reuse(task, outcome)) return {};
+  DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
+  DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
+  DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 2));
+  EstimationStats stats;
+  Result<LabelField> field = MergeLabels(task.job(), analysis, *labels[0], *labels[1], task.stop, &stats);
+  if (!field.ok()) return field.status().WithContext(task.FrameName());
+  Count(stats, outcome.stats);
+  return StoreLabels(task, std::move(*field), outcome);
+}
+
+Status TaskExecutor::Emit(const Task& task, TaskOutcome& outcome) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+  DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
+  DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
+  DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 1));
+  DEPTHFARM_RETURN_IF_ERROR(CheckLabelsFit(task.job(), analysis, *labels[0]).WithContext(task.FrameName()));
+  for (std::size_t v = 0; v < analysis.size(); ++v) {
+    if (task.stop.stop_requested()) return Cancelled();
+    const std::string& camera = task.job().views[v].camera.name;
+    const Grid<std::uint16_t> codes =
+        DepthCodes(task.job(), static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]);
+    Result<std::string> png = EncodeDepthPng(codes);
+    if (!png.ok()) return png.status().WithContext("camera '" + camera + "', " + task.FrameName());
+    const std::string in_depth = DepthFileName(camera, task.SequenceFrame());
+    OutputFile file{.path = in_depth.substr(in_depth.find('/') + 1), .sha256 = Sha256(*png), .bytes = png->size()};
+    DEPTHFARM_RETURN_IF_ERROR(folder.Stage(task.spec.staging, file.path, *png));
+    outcome.files.push_back(std::move(file));
+  }
+  return {};
+}
+
+Status TaskExecutor::Commit(const Task& task) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+  return folder.Commit(task.spec.staging, task.spec.files).WithContext(task.FrameName());
+}
+
+Status TaskExecutor::Manifest(const Task& task) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+  DEPTHFARM_ASSIGN_OR_RETURN(const DepthManifest manifest,
+                             ManifestOf(task.config, task.spec.files, task.spec.picture_digests));
+  return folder.Finish(manifest);
+}
+
+bool TaskExecutor::Reuse(const Task& task, TaskOutcome& outcome) {
+  if (task.inputs.FindLabels(*task.spec.output_key) == nullptr) return false;
+  outcome.artifact = store_.Find(*task.spec.output_key);
+  outcome.stats.reused = outcome.artifact.has_value();
+  return outcome.stats.reused;
+}
+
+Status TaskExecutor::StoreLabels(const Task& task, LabelField field, TaskOutcome& outcome) {
+  if (task.stop.stop_requested()) return Cancelled();
+  DEPTHFARM_ASSIGN_OR_RETURN(outcome.artifact, store_.Put(*task.spec.output_key, EncodeLabelField(field)));
+  cache_.Put(*task.spec.output_key, std::make_shared<const LabelField>(std::move(field)));
+  return {};
+}
+
+}  // namespace depthfarm

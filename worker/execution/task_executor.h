@@ -1,0 +1,63 @@
+#ifndef DEPTHFARM_WORKER_EXECUTION_TASK_EXECUTOR_H_
+#define DEPTHFARM_WORKER_EXECUTION_TASK_EXECUTOR_H_
+
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/task_spec.h"
+#include "worker/artifacts/memory_cache.h"
+#include "worker/artifacts/store.h"
+#include "worker/execution/artifact_fetcher.h"
+#include "worker/execution/task_inputs.h"
+
+namespace depthfarm {
+
+// How a task ended and what it made.
+struct TaskOutcome {
+  Status status;
+  std::optional<ArtifactKey> output_key;        // Analyse: the name it found
+  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge; in the store
+  std::vector<OutputFile> files;                // Emit: written into the staging folder
+  std::optional<ContentDigest> picture_digest;  // Analyse
+  std::vector<ArtifactKey> missing_inputs;      // inputs that could be had nowhere (kUnavailable)
+  TaskStats stats;
+};
+
+// Executes tasks of every kind, one at a time: inputs from memory, store or other workers, results into the store or
+// the job's output folder. All that cost them is measured for the thread that calls Execute. Not thread-safe.
+class TaskExecutor {
+ public:
+  // All must outlive the executor.
+  TaskExecutor(ArtifactStore& store, MemoryCache& cache, ArtifactFetcher& fetcher)
+      : store_(store), cache_(cache), fetcher_(fetcher) {}
+
+  // Never throws. Errors name camera and frame (of the sequence): kInvalidArgument: the job or its pictures are wrong;
+  // kIncompatible: the job pins another algorithm version; kUnavailable: an input, a file, the disk or memory is out of
+  // reach here; kCancelled, within a second after `stop` is requested.
+  [[nodiscard]] TaskOutcome Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop);
+
+ private:
+  struct Task;
+
+  [[nodiscard]] Status Run(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status Analyse(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status AnalysePicture(const Task& task, const JobView& view, TaskOutcome& outcome);
+  [[nodiscard]] Status Estimate(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status Merge(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status Emit(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status Commit(const Task& task);
+  [[nodiscard]] Status Manifest(const Task& task);
+  // Whether the label field that the task is to make is here already.
+  [[nodiscard]] bool Reuse(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status StoreLabels(const Task& task, LabelField field, TaskOutcome& outcome);
+
+  ArtifactStore& store_;
+  MemoryCache& cache_;
+  ArtifactFetcher& fetcher_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_EXECUTION_TASK_EXECUTOR_H_

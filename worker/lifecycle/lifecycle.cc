@@ -1,0 +1,223 @@
+#include "worker/lifecycle/lifecycle.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace depthfarm {
+namespace {
+
+namespace event = lifecycle_event;
+namespace action = lifecycle_action;
+
+}  // namespace
+
+std::string WorkerStateName(WorkerState state) {
+  switch (state) {
+    case WorkerState::kJoining:
+      return "joining";
+    case WorkerState::kIdle:
+      return "idle";
+    case WorkerState::kWorking:
+      return "working";
+    case WorkerState::kLost:
+      return "lost";
+    case WorkerState::kLeaving:
+      return "leaving";
+    case WorkerState::kGone:
+      return "gone";
+  }
+  return "unknown";
+}
+
+Lifecycle::Lifecycle(const LifecycleOptions& options, TimePoint now)
+    : options_(options), now_(now), heard_(now), hello_due_(now), hello_retry_(options.first_hello_retry) {}
+
+WorkerState Lifecycle::state() const {
+  switch (link_) {
+    case Link::kJoining:
+      return WorkerState::kJoining;
+    case Link::kWelcome:
+      return slot_.has_value() ? WorkerState::kWorking : WorkerState::kIdle;
+    case Link::kLost:
+      return WorkerState::kLost;
+    case Link::kLeaving:
+      return WorkerState::kLeaving;
+    case Link::kGone:
+      break;
+  }
+  return WorkerState::kGone;
+}
+
+std::vector<LifecycleAction> Lifecycle::Handle(const LifecycleEvent& event, TimePoint now) {
+  if (link_ == Link::kGone) return {};
+  now_ = now;
+  std::visit([this](const auto& happened) { On(happened); }, event);
+  return std::exchange(actions_, {});
+}
+
+std::vector<LifecycleAction> Lifecycle::Tick(TimePoint now) {
+  if (link_ == Link::kGone) return {};
+  now_ = now;
+  if (slot_.has_value() && !slot_->stopped && now >= slot_->expires) StopSlot("lease expired");
+  if (link_ == Link::kLeaving) {
+    if (now >= leave_by_) {
+      link_ = Link::kGone;
+      Do(action::Exit{exit_status_});
+    }
+    return std::exchange(actions_, {});
+  }
+  if (options_.give_up.has_value() && now - heard_ >= *options_.give_up) {
+    Leave(Unavailable("the coordinator was silent for " + std::to_string(options_.give_up->count()) + " ms"));
+    return std::exchange(actions_, {});
+  }
+  if (Connected() && now - heard_ >= lease_) LoseCoordinator();
+  if (Connected() && now >= heartbeat_due_) BeatHeart();
+  if (!Connected() && now >= hello_due_) SayHello();
+  return std::exchange(actions_, {});
+}
+
+TimePoint Lifecycle::NextDue() const {
+  if (link_ == Link::kGone) return TimePoint::max();
+  TimePoint due = TimePoint::max();
+  if (slot_.has_value() && !slot_->stopped) due = std::min(due, slot_->expires);
+  if (link_ == Link::kLeaving) return std::min(due, leave_by_);
+  if (options_.give_up.has_value()) due = std::min(due, heard_ + *options_.give_up);
+  return std::min(due, Connected() ? std::min(heartbeat_due_, heard_ + lease_) : hello_due_);
+}
+
+void Lifecycle::On(const event::Welcomed& welcome) {
+  if (link_ == Link::kLeaving) return;
+  link_ = Link::kWelcome;
+  heartbeat_ = welcome.heartbeat;
+  lease_ = welcome.lease;
+  Heard();
+  // With a task running, a heartbeat at once: it is what renews the lease, or says that the lease is gone.
+  BeatHeart();
+}
+
+void Lifecycle::On(const event::Refused& refusal) {
+  if (link_ == Link::kLeaving) return;
+  const bool wrong_key = refusal.reason.code() == ErrorCode::kInvalidArgument && !Connected();
+  if (refusal.reason.code() == ErrorCode::kIncompatible || wrong_key) {
+    Leave(refusal.reason);
+  } else if (Connected()) {
+    LoseCoordinator();
+    SayHello();
+  }
+}
+
+void Lifecycle::On(const event::Granted& grant) {
+  if (slot_.has_value() && slot_->lease == grant.lease) return;  // a repeat starts nothing
+  const auto ask = asks_.find(grant.ask_id);
+  if (link_ == Link::kLeaving) {
+    Do(action::RefuseGrant{grant.lease, "the worker is leaving"});
+  } else if (slot_.has_value()) {
+    Do(action::RefuseGrant{grant.lease, "the worker has another task"});
+  } else if (!Connected() || ask == asks_.end()) {
+    Do(action::RefuseGrant{grant.lease, "nobody asked"});
+  } else if (now_ - ask->second > lease_ / 2) {
+    Heard();
+    Do(action::RefuseGrant{grant.lease, "the ask is more than half a lease old"});
+    Ask();
+  } else {
+    Heard();
+    slot_ = Slot{.lease = grant.lease, .expires = ask->second + lease_};
+    asks_.clear();
+    Do(action::StartTask{grant.lease});
+  }
+}
+
+void Lifecycle::On(const event::HeartbeatAcked& ack) {
+  const auto beat = heartbeats_.find(ack.heartbeat_id);
+  if (!Connected() || beat == heartbeats_.end()) return;
+  Heard();
+  const SentHeartbeat sent = beat->second;
+  heartbeats_.erase(heartbeats_.begin(), std::next(beat));
+  if (!slot_.has_value() || slot_->stopped) return;
+  if (std::ranges::find(ack.unknown_leases, slot_->lease) != ack.unknown_leases.end()) {
+    StopSlot("the coordinator does not know the lease");
+  } else if (std::ranges::find(sent.running, slot_->lease) != sent.running.end()) {
+    slot_->expires = std::max(slot_->expires, sent.sent + lease_);
+  }
+}
+
+void Lifecycle::On(const event::Revoked& revoked) {
+  if (slot_.has_value() && slot_->lease == revoked.lease) StopSlot("revoked");
+}
+
+void Lifecycle::On(const event::TaskEnded& ended) {
+  if (!slot_.has_value() || slot_->lease != ended.lease) return;
+  const bool wanted = !slot_->stopped && now_ < slot_->expires;
+  slot_.reset();
+  if (wanted) {
+    Do(action::ReportTask{ended.lease});
+  } else {
+    Do(action::DropResult{ended.lease});
+  }
+  if (link_ == Link::kLeaving) {
+    link_ = Link::kGone;
+    Do(action::Exit{exit_status_});
+  } else if (Connected()) {
+    Ask();
+  }
+}
+
+void Lifecycle::On(const event::StopRequested&) {
+  if (link_ != Link::kLeaving) Leave({});
+}
+
+void Lifecycle::SayHello() {
+  Do(action::SendHello{Running()});
+  hello_due_ = now_ + hello_retry_;
+  hello_retry_ = std::min(2 * hello_retry_, options_.last_hello_retry);
+}
+
+void Lifecycle::Ask() {
+  // Asks too old to be taken are forgotten, so the list stays short however long the worker is idle.
+  std::erase_if(asks_, [this](const auto& ask) { return now_ - ask.second > lease_; });
+  asks_[++last_ask_] = now_;
+  Do(action::SendAsk{last_ask_});
+}
+
+void Lifecycle::BeatHeart() {
+  heartbeats_[++last_heartbeat_] = {now_, Running()};
+  Do(action::SendHeartbeat{last_heartbeat_, Running()});
+  heartbeat_due_ = now_ + heartbeat_;
+  if (!slot_.has_value()) Ask();
+}
+
+void Lifecycle::LoseCoordinator() {
+  link_ = Link::kLost;
+  hello_due_ = now_;
+  hello_retry_ = options_.first_hello_retry;
+  heartbeats_.clear();
+  asks_.clear();
+}
+
+void Lifecycle::StopSlot(const std::string& reason) {
+  if (slot_->stopped) return;
+  slot_->stopped = true;
+  Do(action::StopTask{slot_->lease, reason});
+}
+
+void Lifecycle::Heard() { heard_ = now_; }
+
+void Lifecycle::Leave(Status status) {
+  exit_status_ = std::move(status);
+  Do(action::SendGoodbye{});
+  if (!slot_.has_value()) {
+    link_ = Link::kGone;
+    Do(action::Exit{exit_status_});
+    return;
+  }
+  StopSlot("the worker is leaving");
+  link_ = Link::kLeaving;
+  leave_by_ = now_ + options_.goodbye_grace;
+}
+
+std::vector<LeaseId> Lifecycle::Running() const {
+  if (!slot_.has_value() || slot_->stopped) return {};
+  return {slot_->lease};
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,157 @@
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include "common/log/log.h"
+#include "worker/service/worker_service.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr int kExitOk = 0;
+constexpr int kExitFailed = 1;
+constexpr int kExitBadUsage = 2;
+constexpr int kExitNoCoordinator = 3;
+
+std::atomic<WorkerService*> running_service = nullptr;
+std::atomic<bool> stop_signalled = false;
+
+extern "C" void OnSignal(int) {
+  stop_signalled = true;
+  if (WorkerService* service = running_service) service->Stop();
+}
+
+// SIGTERM and SIGINT end the worker, also while it still starts; a write to a closed pipe is an error like any other.
+void InstallSignalHandlers() {
+  struct sigaction handler {};
+  handler.sa_handler = OnSignal;
+  sigemptyset(&handler.sa_mask);
+  for (const int signal : {SIGTERM, SIGINT}) sigaction(signal, &handler, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+// A private folder for a worker that was not given one.
+class TemporaryCache {
+ public:
+  TemporaryCache() = default;
+  TemporaryCache(const TemporaryCache&) = delete;
+  TemporaryCache& operator=(const TemporaryCache&) = delete;
+  ~TemporaryCache() { Remove(); }
+
+  [[nodiscard]] Status Make() {
+    std::error_code error;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+    std::string name = ((error ? "/tmp" : parent) / "depthfarm-worker-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr)
+      return Unavailable("cannot make a folder like " + name + ": name a --cache-dir");
+    path_ = name;
+    return {};
+  }
+  void Remove() {
+    std::error_code ignored;  // nobody is left to be told
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+    path_.clear();
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+int ExitCodeOf(const Status& status) {
+  switch (status.code()) {
+    case ErrorCode::kOk:
+    case ErrorCode::kCancelled:
+      return kExitOk;
+    case ErrorCode::kInvalidArgument:
+      return kExitBadUsage;
+    case ErrorCode::kUnavailable:
+      return kExitNoCoordinator;
+    default:
+      return kExitFailed;
+  }
+}
+
+int Fail(const Status& status, int code) {
+  std::cerr << "depthfarm-worker: " << status.message() << "\n";
+  return code;
+}
+
+int RunWorker(WorkerOptions options) {
+  InstallSignalHandlers();
+  TemporaryCache cache;
+  if (options.cache_dir.empty()) {
+    const Status made = cache.Make();
+    if (!made.ok()) return Fail(made, kExitFailed);
+    options.cache_dir = cache.path();
+  }
+  Result<std::unique_ptr<WorkerService>> service = WorkerService::Create(options);
+  if (!service.ok()) {
+    const bool usage = service.status().code() == ErrorCode::kInvalidArgument;
+    return Fail(service.status(), usage ? kExitBadUsage : kExitFailed);
+  }
+  running_service = service->get();
+  if (stop_signalled) (*service)->Stop();
+  const Status status = (*service)->Run();
+  running_service = nullptr;
+  const int code = status.ok() ? kExitOk : Fail(status, ExitCodeOf(status));
+  if ((*service)->busy()) {
+    // A task that does not notice its stop must not keep the process: its result was given up already.
+    LogWarning("task_left_behind");
+    cache.Remove();
+    std::_Exit(code);
+  }
+  return code;
+}
+
+}  // namespace
+}  // namespace depthfarm
+
+int main(int argc, char** argv) {
+  using namespace depthfarm;  // NOLINT(google-build-using-namespace): the program's own
+  CLI::App app(
+      "Worker of a depthfarm: leases tasks from a coordinator, computes them, serves its artifacts to other workers.");
+  app.set_version_flag("--version", std::string(DEPTHFARM_VERSION));
+  WorkerOptions options;
+  options.software_version = DEPTHFARM_VERSION;
+  std::string keys;
+  std::string cache_dir;
+  std::string log_level = "info";
+  double give_up_seconds = 0;
+  app.add_option("--coordinator", options.coordinator, "tcp://HOST:PORT or ipc://PATH of the coordinator")->required();
+  app.add_option("--keys", keys, "folder with worker.key, worker.pub and coordinator.pub (see depthfarm keygen)");
+  app.add_flag("--insecure", options.insecure, "tcp without keys, on loopback addresses only");
+  app.add_option("--cache-dir", cache_dir, "folder of the artifacts, kept between runs; default: a temporary one");
+  app.add_option("--cache-size", options.cache_bytes, "bound of that folder, e.g. 20GB")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("8GB");
+  app.add_option("--memory", options.memory_bytes, "bound of the decoded artifacts kept in memory, e.g. 4GB")
+      ->transform(CLI::AsSizeValue(false))
+      ->default_str("2GB");
+  app.add_option("--name", options.name, "name on the farm; default: host:process:random");
+  app.add_option("--artifact-listen", options.artifact_listen,
+                 "endpoint for other workers; default: beside the coordinator's ipc socket, else a free tcp port");
+  app.add_option("--advertise", options.advertise, "host name or address that other workers reach this one by");
+  app.add_option("--log-level", log_level, "debug, info, warning, error or off")->capture_default_str();
+  app.add_flag("--exit-with-parent", options.exit_with_parent, "end when the process that started this one ends");
+  app.add_option("--give-up-seconds", give_up_seconds, "end after so long without the coordinator; 0: never")
+      ->check(CLI::Range(0.0, 1e9));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitOk : kExitBadUsage;
+  }
+  options.keys = keys;
+  options.cache_dir = cache_dir;
+  if (give_up_seconds > 0) options.give_up = Milliseconds(static_cast<std::int64_t>(give_up_seconds * 1000));
+  const Status level = SetLogLevel(log_level);
+  if (!level.ok()) return Fail(level, kExitBadUsage);
+  return RunWorker(options);
+}

@@ -1,0 +1,335 @@
+#include "worker/media_cli/evaluate_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iomanip>
+#include <limits>
+#include <ostream>
+#include <sstream>
+
+#include "common/files/atomic_file.h"
+#include "common/geometry/neighbours.h"
+#include "common/media/colour_map.h"
+#include "common/quality/masks.h"
+#include "common/quality/psnr.h"
+#include "common/quality/single_plane.h"
+#include "common/quality/ssim.h"
+#include "common/scene/zone.h"
+#include "common/synthesis/synthesize_view.h"
+#include "worker/media_cli/evaluate_input.h"
+#include "worker/media_cli/evaluate_report.h"
+#include "worker/media_cli/text_table.h"
+
+namespace depthfarm {
+namespace {
+
+// Wrong depth around a plain panel shows this far beyond it; inside, no method has anything to match.
+constexpr int kPanelReachPx = 24;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// A view to synthesise; indices into EvaluateInput::views.
+struct Target {
+  int view = 0;
+  std::vector<int> from;
+};
+
+const Camera& CameraOf(const EvaluateInput& input, int view) {
+  return input.views[static_cast<std::size_t>(view)].camera;
+}
+
+Status RestrictFrames(const EvaluateCommandOptions& options, EvaluateInput& input) {
+  const std::string have = std::to_string(input.first_frame) + ":" + std::to_string(input.end_frame);
+  const int end = options.end_frame < 0 ? input.end_frame : options.end_frame;
+  // 0 is the default: "from the first frame that has depth" for a run over later frames.
+  const int first = options.first_frame == 0 ? input.first_frame : options.first_frame;
+  if (first < input.first_frame || end > input.end_frame || first >= end) {
+    return InvalidArgument("frames " + std::to_string(first) + ":" + std::to_string(end) + " are asked for, " +
+                           input.depth_dir + " has depth of " + have);
+  }
+  input.first_frame = first;
+  input.end_frame = end;
+  return {};
+}
+
+Result<std::vector<Target>> ChooseTargets(const EvaluateCommandOptions& options, const EvaluateInput& input,
+                                          std::vector<std::string>& notes) {
+  if (options.view.empty() && !options.from.empty()) {
+    return InvalidArgument("--from needs --view: which camera is to be synthesised from them?");
+  }
+  std::vector<Target> targets;
+  if (options.view.empty()) {
+    for (std::size_t i = 0; i < input.views.size(); ++i) {
+      if (input.views[i].in_sequence->images.empty()) continue;
+      Target target{static_cast<int>(i), SidesOf(input, static_cast<int>(i))};
+      if (!target.from.empty()) targets.push_back(std::move(target));
+    }
+    if (targets.empty()) {
+      notes.push_back("no camera with pictures lies between two that have depth: no virtual view is measured");
+    }
+    return targets;
+  }
+  Target target;
+  DEPTHFARM_ASSIGN_OR_RETURN(target.view, FindView(input, options.view));
+  for (const std::string& name : options.from) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const int source, FindView(input, name));
+    if (source == target.view) return InvalidArgument("camera '" + name + "' is both --view and one of --from");
+    if (input.views[static_cast<std::size_t>(source)].depth == nullptr) {
+      return InvalidArgument("there is no depth of camera '" + name + "' in " + input.depth_dir);
+    }
+    target.from.push_back(source);
+  }
+  if (options.from.empty()) {
+    target.from = SidesOf(input, target.view);
+    if (target.from.empty()) {
+      return InvalidArgument("camera '" + options.view +
+                             "' doesn't lie between two that have depth: name its sources with --from");
+    }
+  }
+  targets.push_back(std::move(target));
+  return targets;
+}
+
+// The sources of a target in one frame, with estimated or exact depth. Empty if the exact depth of one isn't known.
+Result<std::vector<SourceView>> Sources(const EvaluateInput& input, const Target& target, bool exact,
+                                        EvaluateFrame& frame) {
+  std::vector<SourceView> sources;
+  for (const int view : target.from) {
+    SourceView source;
+    source.camera = CameraOf(input, view);
+    DEPTHFARM_ASSIGN_OR_RETURN(source.picture, frame.Picture(view));
+    if (exact) {
+      DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* truth, frame.Truth(view));
+      if (truth == nullptr) return std::vector<SourceView>{};
+      source.depth = &truth->depth;
+    } else {
+      DEPTHFARM_ASSIGN_OR_RETURN(source.depth, frame.Depth(view));
+    }
+    sources.push_back(source);
+  }
+  return sources;
+}
+
+PictureFigures Compare(const SynthesizedView& view, const YcbcrImage& real, const GroundTruthFrame* truth) {
+  const PixelMask seen = Inverted(view.holes);
+  const LumaError whole = MeasureLumaError(view.picture, real);
+  PictureFigures figures;
+  figures.psnr = PsnrVideoRange(whole);
+  figures.psnr_full_range = PsnrFullRange(whole);
+  figures.psnr_non_hole = PsnrVideoRange(MeasureLumaError(view.picture, real, &seen));
+  figures.psnr_outside_panels = kNaN;
+  figures.ssim = Ssim(view.picture, real);
+  figures.holes_percent = 100 * ShareSet(view.holes);
+  if (truth != nullptr && !truth->zones.empty()) {
+    const PixelMask panels = PixelsOfZone(truth->zones, static_cast<std::uint8_t>(Zone::kPanel));
+    if (ShareSet(panels) > 0) {
+      const PixelMask outside = Inverted(Dilated(panels, kPanelReachPx));
+      figures.psnr_outside_panels = PsnrVideoRange(MeasureLumaError(view.picture, real, &outside));
+    }
+  }
+  return figures;
+}
+
+YcbcrImage AmplifiedDifference(const YcbcrImage& a, const YcbcrImage& b) {
+  YcbcrImage result(a.width(), a.height());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const int difference = std::abs(static_cast<int>(a.values()[i].y) - static_cast<int>(b.values()[i].y));
+    result.values()[i].y = static_cast<std::uint8_t>(std::min(4 * difference, 255));
+  }
+  return result;
+}
+
+// Writes DIR/<camera>/<frame>_<what>.png.
+class PictureWriter {
+ public:
+  explicit PictureWriter(std::string folder) : folder_(std::move(folder)) {}
+
+  [[nodiscard]] bool on() const { return !folder_.empty(); }
+  [[nodiscard]] Status Write(const std::string& camera, int frame, const std::string& what,
+                             const RgbImage& picture) const {
+    std::ostringstream file;
+    file << folder_ << "/" << camera << "/" << std::setw(4) << std::setfill('0') << frame << "_" << what << ".png";
+    DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder_ + "/" + camera));
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string png, EncodeRgbPng(picture));
+    return WriteFileAtomically(file.str(), png);
+  }
+
+ private:
+  std::string folder_;
+};
+
+Status WriteDepthPicture(const EvaluateInput& input, int view, EvaluateFrame& frame, const PictureWriter& writer) {
+  const DepthManifestCamera& camera = *input.views[static_cast<std::size_t>(view)].depth;
+  DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap* depth, frame.Depth(view));
+  DEPTHFARM_ASSIGN_OR_RETURN(const DepthCode code, DepthCode::Create(camera.z_near, camera.z_far));
+  DEPTHFARM_ASSIGN_OR_RETURN(const RgbImage colours, ColourMapped(*depth, code));
+  return writer.Write(camera.camera.name, frame.frame(), "depth", colours);
+}
+
+Status MeasureTarget(const EvaluateInput& input, const Target& target, EvaluateFrame& frame,
+                     const PictureWriter& writer, TargetReport& report) {
+  const Camera& camera = CameraOf(input, target.view);
+  DEPTHFARM_ASSIGN_OR_RETURN(const YcbcrImage* real, frame.Picture(target.view));
+  DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* truth, frame.Truth(target.view));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<SourceView> sources, Sources(input, target, false, frame));
+  DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView estimated, SynthesizeView(sources, camera));
+  report.estimated.push_back(Compare(estimated, *real, truth));
+  if (writer.on()) {
+    const int f = frame.frame();
+    DEPTHFARM_RETURN_IF_ERROR(writer.Write(camera.name, f, "synthesised", ToRgb(estimated.picture)));
+    DEPTHFARM_RETURN_IF_ERROR(writer.Write(camera.name, f, "real", ToRgb(*real)));
+    DEPTHFARM_RETURN_IF_ERROR(
+        writer.Write(camera.name, f, "difference", ToRgb(AmplifiedDifference(estimated.picture, *real))));
+    for (const int source : target.from) DEPTHFARM_RETURN_IF_ERROR(WriteDepthPicture(input, source, frame, writer));
+  }
+
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<SourceView> exact_sources, Sources(input, target, true, frame));
+  if (!exact_sources.empty()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView exact, SynthesizeView(exact_sources, camera));
+    report.exact.push_back(Compare(exact, *real, truth));
+    if (writer.on()) {
+      DEPTHFARM_RETURN_IF_ERROR(writer.Write(camera.name, frame.frame(), "exact", ToRgb(exact.picture)));
+    }
+  }
+  if (frame.frame() == input.first_frame) {
+    std::vector<PictureView> pictures;
+    for (const SourceView& source : sources) pictures.push_back({source.picture, source.camera});
+    DEPTHFARM_ASSIGN_OR_RETURN(const SinglePlane plane, BestSinglePlane(pictures, {real, camera}, *input.levels));
+    report.single_plane_psnr = PsnrVideoRange(plane.error);
+  }
+  return {};
+}
+
+// Agreement of two views, both directions. With exact depth of both, that says which pixels are occluded.
+Status MeasureSourceAgreement(const EvaluateInput& input, const Target& target, EvaluateFrame& frame,
+                              AgreementFigures& sum, bool& by_exact_depth) {
+  for (const auto& [from, to] : {std::pair{target.from[0], target.from[1]}, {target.from[1], target.from[0]}}) {
+    ViewDepth view{nullptr, CameraOf(input, from)};
+    ViewDepth other{nullptr, CameraOf(input, to)};
+    DEPTHFARM_ASSIGN_OR_RETURN(view.depth, frame.Depth(from));
+    DEPTHFARM_ASSIGN_OR_RETURN(other.depth, frame.Depth(to));
+    DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* view_truth, frame.Truth(from));
+    DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* other_truth, frame.Truth(to));
+    if (view_truth != nullptr && other_truth != nullptr) {
+      const PixelMask visible =
+          VisibleInAny({&view_truth->depth, view.camera}, {{&other_truth->depth, other.camera}}, *input.levels);
+      sum.Add(MeasureAgreement(view, other, *input.levels, &visible));
+      by_exact_depth = true;
+    } else {
+      sum.Add(MeasureAgreement(view, other, *input.levels, nullptr));
+    }
+  }
+  return {};
+}
+
+// Pixels of a view that others see: by the exact depth of its two nearest views, else by the sequence's mask; empty if
+// neither is known.
+Result<PixelMask> NonOccluded(const EvaluateInput& input, int view, const std::vector<std::vector<int>>& neighbours,
+                              const GroundTruthFrame& truth, EvaluateFrame& frame) {
+  std::vector<ViewDepth> others;
+  for (const int other : neighbours[static_cast<std::size_t>(view)]) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* other_truth, frame.Truth(other));
+    if (other_truth != nullptr) others.push_back({&other_truth->depth, CameraOf(input, other)});
+  }
+  if (others.empty()) return truth.nonoccluded;
+  return VisibleInAny({&truth.depth, CameraOf(input, view)}, others, *input.levels);
+}
+
+Status MeasureDepths(const EvaluateInput& input, EvaluateFrame& frame, std::vector<ViewDepthReport>& reports) {
+  std::vector<Camera> cameras;
+  for (const EvaluateInput::View& view : input.views) cameras.push_back(view.camera);
+  const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, *input.levels, 2);
+  for (std::size_t i = 0; i < input.views.size(); ++i) {
+    const int view = static_cast<int>(i);
+    if (input.views[i].depth == nullptr || input.nearest[i] < 0) continue;
+    DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* truth, frame.Truth(view));
+    if (truth == nullptr) continue;
+    DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap* depth, frame.Depth(view));
+    DEPTHFARM_ASSIGN_OR_RETURN(const PixelMask non_occluded, NonOccluded(input, view, neighbours, *truth, frame));
+    DepthErrorInput error;
+    error.estimated = depth;
+    error.exact = &truth->depth;
+    error.camera = input.views[i].camera;
+    error.levels = &*input.levels;
+    error.neighbour = CameraOf(input, input.nearest[i]);
+    if (!non_occluded.empty()) error.non_occluded = &non_occluded;
+    if (!truth->zones.empty()) {
+      error.zones = &truth->zones;
+      error.zone_names.emplace_back(ZoneName(Zone::kUnknown));
+      for (const Zone zone : kSurfaceZones) error.zone_names.emplace_back(ZoneName(zone));
+    }
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<DepthErrorGroup> groups, MeasureDepthError(error));
+    const auto same = std::find_if(reports.begin(), reports.end(),
+                                   [&](const ViewDepthReport& report) { return report.view == error.camera.name; });
+    if (same == reports.end()) {
+      reports.push_back({error.camera.name, groups});
+    } else {
+      AddGroups(groups, same->groups);
+    }
+  }
+  return {};
+}
+
+double LargestLevelPx(const EvaluateInput& input) {
+  double largest = 0;
+  for (std::size_t i = 0; i < input.views.size(); ++i) {
+    if (input.nearest[i] < 0 || input.views[i].depth == nullptr) continue;
+    largest =
+        std::max(largest, DisparityRange(input.views[i].camera, CameraOf(input, input.nearest[i]), *input.levels));
+  }
+  return largest / (input.levels->count() - 1);
+}
+
+}  // namespace
+
+Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
+  EvaluateInput input;
+  DEPTHFARM_RETURN_IF_ERROR(ReadEvaluateInput(options.sequence, options.depth_dir, input));
+  DEPTHFARM_RETURN_IF_ERROR(RestrictFrames(options, input));
+  EvaluateReport report;
+  report.sequence = input.sequence.name;
+  report.depth_dir = options.depth_dir;
+  report.first_frame = input.first_frame;
+  report.end_frame = input.end_frame;
+  report.downscale = input.downscale;
+  report.levels = input.levels->count();
+  report.level_px = LargestLevelPx(input);
+  report.notes = input.sequence.warnings;
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<Target> targets, ChooseTargets(options, input, report.notes));
+  for (const Target& target : targets) {
+    TargetReport entry;
+    entry.view = CameraOf(input, target.view).name;
+    for (const int source : target.from) entry.from.push_back(CameraOf(input, source).name);
+    if (target.from.size() == 2) entry.agreement.emplace();
+    report.targets.push_back(std::move(entry));
+  }
+
+  const PictureWriter writer(options.pictures_dir);
+  for (int f = input.first_frame; f < input.end_frame; ++f) {
+    EvaluateFrame frame(input, f);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      TargetReport& entry = report.targets[i];
+      DEPTHFARM_RETURN_IF_ERROR(MeasureTarget(input, targets[i], frame, writer, entry));
+      if (!entry.agreement) continue;
+      DEPTHFARM_RETURN_IF_ERROR(
+          MeasureSourceAgreement(input, targets[i], frame, *entry.agreement, report.agreement_by_exact_depth));
+    }
+    DEPTHFARM_RETURN_IF_ERROR(MeasureDepths(input, frame, report.depth));
+  }
+  if (report.targets.empty() && report.depth.empty()) {
+    return InvalidArgument("nothing can be measured: no camera of " + input.sequence.file +
+                           " lies between two that have depth, and none has both depth and ground truth");
+  }
+
+  options.json ? PrintReportAsJson(report, out) : PrintReport(report, out);
+  if (options.min_psnr > 0) {
+    const double mean = report.MeanEstimated().psnr;
+    if (!(mean >= options.min_psnr)) {
+      return Internal("the mean PSNR-Y of the virtual views is " + Decimal(mean, 2) + " dB, expected at least " +
+                      Decimal(options.min_psnr, 2));
+    }
+  }
+  return {};
+}
+
+}  // namespace depthfarm

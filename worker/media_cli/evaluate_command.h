@@ -1,0 +1,41 @@
+#ifndef DEPTHFARM_WORKER_MEDIA_CLI_EVALUATE_COMMAND_H_
+#define DEPTHFARM_WORKER_MEDIA_CLI_EVALUATE_COMMAND_H_
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+
+namespace depthfarm {
+
+// What `depthfarm evaluate` measures.
+struct EvaluateCommandOptions {
+  std::string sequence;           // sequence file the depth was estimated from
+  std::string depth_dir;          // folder with depth.json
+  std::string view;               // camera to synthesise; empty: every camera between two that have depth
+  std::vector<std::string> from;  // cameras to synthesise it from; empty: its neighbours
+  int first_frame = 0;            // positions in the sequence; by default all that have depth
+  int end_frame = -1;             // one past the last, -1: to the end
+  bool json = false;              // else a table for people
+  std::string pictures_dir;       // empty: write no pictures
+  double min_psnr = 0;            // dB; 0: no bound
+};
+
+// Measures depth maps as the paper does (section V) and against ground truth, and writes the figures to `out`:
+//   virtual views   each target is synthesised from the pictures and depth of its neighbours (SynthesizeView) and
+//                   compared with its real picture: PSNR-Y, SSIM, holes; where the sources' exact depth is known the
+//                   same with that (the ceiling), and the best single plane (the floor, first frame);
+//   agreement       of the two sources' depth (MeasureAgreement), both directions together;
+//   depth error     of every view with exact depth, by zone (MeasureDepthError).
+// Means over frames; depth errors over all pixels of all frames. Levels and their range come from the parameters that
+// depth.json records ("levels", "z_near", "z_far", "reference"), else from the sequence.
+// With `pictures_dir`: DIR/<view>/<frame>_{synthesised,real,difference,exact}.png (difference: |luma| x 4) and
+// DIR/<source>/<frame>_depth.png.
+// Errors  kInvalidArgument: bad options, or files that can't be read or don't fit together; kInternal: the mean PSNR-Y
+//         of the targets is below `min_psnr` (after the figures were written), kUnavailable: pictures can't be written.
+[[nodiscard]] Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_MEDIA_CLI_EVALUATE_COMMAND_H_

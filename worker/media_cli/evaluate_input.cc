@@ -1,0 +1,243 @@
+#include "worker/media_cli/evaluate_input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "common/geometry/neighbours.h"
+#include "common/media/depth_file.h"
+#include "common/media/picture_reader.h"
+#include "common/sequence/read_sequence.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr int kPaperLevels = 250;
+constexpr double kSameCalibration = 1e-6;  // of a focal length, a rotation's entry, the size of the translation
+constexpr float kSameSurface = 0.02F;      // depths within this share of each other are averaged when downscaling
+
+std::optional<double> NumberParameter(const DepthManifest& manifest, const std::string& key) {
+  const auto found = manifest.parameters.find(key);
+  if (found == manifest.parameters.end()) return std::nullopt;
+  if (const auto* whole = std::get_if<std::int64_t>(&found->second)) return static_cast<double>(*whole);
+  if (const auto* number = std::get_if<double>(&found->second)) return *number;
+  return std::nullopt;
+}
+
+std::string TextParameter(const DepthManifest& manifest, const std::string& key) {
+  const auto found = manifest.parameters.find(key);
+  if (found == manifest.parameters.end()) return "";
+  const auto* text = std::get_if<std::string>(&found->second);
+  return text != nullptr ? *text : "";
+}
+
+bool SameCalibration(const Camera& a, const Camera& b) {
+  const double focal = std::max(a.intrinsics(0, 0), a.intrinsics(1, 1));
+  if ((a.intrinsics - b.intrinsics).cwiseAbs().maxCoeff() > kSameCalibration * focal) return false;
+  if ((a.cam_from_world_rotation - b.cam_from_world_rotation).cwiseAbs().maxCoeff() > kSameCalibration) return false;
+  const double size = a.cam_from_world_translation.cwiseAbs().maxCoeff();
+  return (a.cam_from_world_translation - b.cam_from_world_translation).cwiseAbs().maxCoeff() <= kSameCalibration * size;
+}
+
+std::string Size(const Camera& camera) { return std::to_string(camera.width) + "x" + std::to_string(camera.height); }
+
+// How many times smaller than its picture the depth of a camera is: 1, 2 or 4.
+Result<int> DownscaleOf(const SequenceCamera& in_sequence, const Camera& of_depth) {
+  for (const int factor : {1, 2, 4}) {
+    const Camera scaled = Downscaled(in_sequence.camera, factor);
+    if (scaled.width != of_depth.width || scaled.height != of_depth.height) continue;
+    if (SameCalibration(scaled, of_depth)) return factor;
+    return InvalidArgument("camera '" + of_depth.name +
+                           "': depth.json has another calibration than the sequence; estimate the depth again");
+  }
+  return InvalidArgument("camera '" + of_depth.name + "': the depth is " + Size(of_depth) + ", the picture " +
+                         Size(in_sequence.camera) + "; expected it 1, 2 or 4 times smaller");
+}
+
+Status AddViews(EvaluateInput& input) {
+  std::optional<int> downscale;
+  for (const DepthManifestCamera& depth : input.manifest.cameras) {
+    const auto same_name = [&](const SequenceCamera& camera) { return camera.camera.name == depth.camera.name; };
+    const auto found = std::find_if(input.sequence.cameras.begin(), input.sequence.cameras.end(), same_name);
+    if (found == input.sequence.cameras.end()) {
+      return InvalidArgument(input.depth_dir + ": depth.json has camera '" + depth.camera.name +
+                             "', which the sequence " + input.sequence.file + " has not");
+    }
+    DEPTHFARM_ASSIGN_OR_RETURN(const int factor, DownscaleOf(*found, depth.camera));
+    if (downscale && *downscale != factor) {
+      return InvalidArgument("camera '" + depth.camera.name + "': its depth is " + std::to_string(factor) +
+                             " times smaller than its picture, that of other cameras " + std::to_string(*downscale));
+    }
+    downscale = factor;
+  }
+  input.downscale = downscale.value_or(1);
+  for (const SequenceCamera& camera : input.sequence.cameras) {
+    EvaluateInput::View view;
+    view.camera = Downscaled(camera.camera, input.downscale);
+    view.in_sequence = &camera;
+    for (const DepthManifestCamera& depth : input.manifest.cameras) {
+      if (depth.camera.name == view.camera.name) view.depth = &depth;
+    }
+    for (const GroundTruthView& truth : input.sequence.ground_truth) {
+      if (truth.view == view.camera.name) view.truth = &truth;
+    }
+    input.views.push_back(view);
+  }
+  return {};
+}
+
+// The planes that the depth was estimated on.
+Status SetLevels(EvaluateInput& input) {
+  double z_near = NumberParameter(input.manifest, "z_near").value_or(input.sequence.z_near.value_or(0));
+  double z_far = NumberParameter(input.manifest, "z_far").value_or(input.sequence.z_far.value_or(0));
+  std::vector<Camera> cameras;
+  for (const DepthManifestCamera& camera : input.manifest.cameras) {
+    cameras.push_back(camera.camera);
+    if (z_near > 0 && z_far > 0) continue;
+    z_near = z_near > 0 ? std::min(z_near, camera.z_near) : camera.z_near;
+    z_far = std::max(z_far, camera.z_far);
+  }
+  std::string reference = TextParameter(input.manifest, "reference");
+  if (reference.empty()) reference = input.sequence.reference;
+  if (reference.empty()) reference = cameras[static_cast<std::size_t>(CentreCamera(cameras))].name;
+  DEPTHFARM_ASSIGN_OR_RETURN(const int index, FindView(input, reference));
+  const double recorded = NumberParameter(input.manifest, "levels").value_or(0);
+  const int count = recorded >= 2 ? static_cast<int>(std::min<double>(recorded, kMaxLevels)) : kPaperLevels;
+  DEPTHFARM_ASSIGN_OR_RETURN(
+      const DepthLevels levels,
+      DepthLevels::Create(input.views[static_cast<std::size_t>(index)].camera, z_near, z_far, count));
+  input.levels = levels;
+  return {};
+}
+
+void FindNearest(EvaluateInput& input) {
+  std::vector<Camera> cameras;
+  for (const EvaluateInput::View& view : input.views) cameras.push_back(view.camera);
+  for (const std::vector<int>& list : ChooseNeighbours(cameras, *input.levels, 1)) {
+    input.nearest.push_back(list.empty() ? -1 : list.front());
+  }
+}
+
+// The depth at the middle of `factor` x `factor` pixels: an even factor puts it between four of them.
+float MiddleDepth(const DepthMap& depth, int x, int y) {
+  float least = depth(x, y);
+  float most = least;
+  float inverse = 0;
+  for (const auto& [px, py] : {std::pair{x, y}, {x + 1, y}, {x, y + 1}, {x + 1, y + 1}}) {
+    const float z = depth(px, py);
+    least = std::min(least, z);
+    most = std::max(most, z);
+    inverse += z > 0 ? 0.25F / z : 0;
+  }
+  if (!(least > 0) || most - least > kSameSurface * most) return depth(x, y);
+  return 1.0F / inverse;
+}
+
+template <typename T>
+Grid<T> Subsampled(const Grid<T>& grid, int factor) {
+  if (grid.empty()) return {};
+  Grid<T> result(grid.width() / factor, grid.height() / factor);
+  for (int y = 0; y < result.height(); ++y) {
+    for (int x = 0; x < result.width(); ++x) {
+      result(x, y) = grid(x * factor + factor / 2 - 1, y * factor + factor / 2 - 1);
+    }
+  }
+  return result;
+}
+
+GroundTruthFrame Downscaled(const GroundTruthFrame& truth, int factor) {
+  GroundTruthFrame result;
+  result.depth = Subsampled(truth.depth, factor);
+  for (int y = 0; y < result.depth.height(); ++y) {
+    for (int x = 0; x < result.depth.width(); ++x) {
+      result.depth(x, y) = MiddleDepth(truth.depth, x * factor + factor / 2 - 1, y * factor + factor / 2 - 1);
+    }
+  }
+  result.zones = Subsampled(truth.zones, factor);
+  result.nonoccluded = Subsampled(truth.nonoccluded, factor);
+  return result;
+}
+
+}  // namespace
+
+Status ReadEvaluateInput(const std::string& sequence_file, const std::string& depth_dir, EvaluateInput& input) {
+  input.depth_dir = depth_dir;
+  DEPTHFARM_ASSIGN_OR_RETURN(input.sequence, ReadSequence(sequence_file));
+  DEPTHFARM_ASSIGN_OR_RETURN(input.manifest, ReadDepthManifest(depth_dir));
+  if (input.manifest.cameras.empty() || input.manifest.cameras.front().files.empty()) {
+    return InvalidArgument(depth_dir + ": depth.json lists no depth maps");
+  }
+  input.first_frame = input.manifest.first_frame;
+  input.end_frame = input.first_frame + static_cast<int>(input.manifest.cameras.front().files.size());
+  DEPTHFARM_RETURN_IF_ERROR(AddViews(input));
+  DEPTHFARM_RETURN_IF_ERROR(SetLevels(input));
+  FindNearest(input);
+  return {};
+}
+
+Result<int> FindView(const EvaluateInput& input, const std::string& name) {
+  std::string names;
+  for (std::size_t i = 0; i < input.views.size(); ++i) {
+    if (input.views[i].camera.name == name) return static_cast<int>(i);
+    names += (i == 0 ? "" : ", ") + input.views[i].camera.name;
+  }
+  return InvalidArgument("there is no camera '" + name + "' in " + input.sequence.file + "; it has " + names);
+}
+
+std::vector<int> SidesOf(const EvaluateInput& input, int target) {
+  std::vector<Camera> cameras = {input.views[static_cast<std::size_t>(target)].camera};
+  std::vector<int> indices = {target};
+  for (std::size_t i = 0; i < input.views.size(); ++i) {
+    if (input.views[i].depth == nullptr || static_cast<int>(i) == target) continue;
+    cameras.push_back(input.views[i].camera);
+    indices.push_back(static_cast<int>(i));
+  }
+  const std::vector<int> chosen = ChooseNeighbours(cameras, *input.levels, 2).front();
+  if (chosen.size() != 2) return {};
+  const Eigen::Vector3d centre = CenterInWorld(cameras.front());
+  const Eigen::Vector3d first = CenterInWorld(cameras[static_cast<std::size_t>(chosen[0])]) - centre;
+  const Eigen::Vector3d second = CenterInWorld(cameras[static_cast<std::size_t>(chosen[1])]) - centre;
+  if (OrderedDot(first, second) >= 0) return {};  // both on one side, e.g. at the corner of a grid
+  return {indices[static_cast<std::size_t>(chosen[0])], indices[static_cast<std::size_t>(chosen[1])]};
+}
+
+Result<const YcbcrImage*> EvaluateFrame::Picture(int view) {
+  const auto found = pictures_.find(view);
+  if (found != pictures_.end()) return &found->second;
+  const SequenceCamera& camera = *input_.views[static_cast<std::size_t>(view)].in_sequence;
+  if (frame_ < 0 || static_cast<std::size_t>(frame_) >= camera.images.size()) {
+    return InvalidArgument("camera '" + camera.camera.name + "' has " + std::to_string(camera.images.size()) +
+                           " pictures, frame " + std::to_string(frame_) + " is beyond them");
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(YcbcrImage picture,
+                             ReadPicture(camera.images[static_cast<std::size_t>(frame_)], camera.format,
+                                         camera.camera.width, camera.camera.height, input_.downscale));
+  return &pictures_.emplace(view, std::move(picture)).first->second;
+}
+
+Result<const DepthMap*> EvaluateFrame::Depth(int view) {
+  const auto found = depths_.find(view);
+  if (found != depths_.end()) return &found->second;
+  const EvaluateInput::View& of = input_.views[static_cast<std::size_t>(view)];
+  if (of.depth == nullptr) {
+    return InvalidArgument("there is no depth of camera '" + of.camera.name + "' in " + input_.depth_dir);
+  }
+  const auto position = static_cast<std::size_t>(frame_ - input_.manifest.first_frame);
+  DEPTHFARM_ASSIGN_OR_RETURN(DepthMap depth, ReadDepthOf(input_.depth_dir, *of.depth, position));
+  return &depths_.emplace(view, std::move(depth)).first->second;
+}
+
+Result<const GroundTruthFrame*> EvaluateFrame::Truth(int view) {
+  const auto found = truths_.find(view);
+  if (found != truths_.end()) return &found->second;
+  const EvaluateInput::View& of = input_.views[static_cast<std::size_t>(view)];
+  if (of.truth == nullptr || static_cast<std::size_t>(frame_) >= of.truth->depth.size()) return nullptr;
+  const Camera& full_size = of.in_sequence->camera;
+  DEPTHFARM_ASSIGN_OR_RETURN(GroundTruthFrame truth,
+                             ReadGroundTruth(*of.truth, frame_, full_size.width, full_size.height));
+  if (input_.downscale > 1) truth = Downscaled(truth, input_.downscale);
+  return &truths_.emplace(view, std::move(truth)).first->second;
+}
+
+}  // namespace depthfarm

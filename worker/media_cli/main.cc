@@ -1,0 +1,162 @@
+// depthfarm-media: the commands that touch pixels. One table of commands, each parsing its options and calling a
+// library; the only translation unit that sees CLI11.
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <charconv>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/base/status.h"
+#include "worker/media_cli/colour_command.h"
+#include "worker/media_cli/evaluate_command.h"
+#include "worker/media_cli/scene_command.h"
+
+namespace {
+
+using depthfarm::Status;
+
+constexpr int kExitOk = 0;
+constexpr int kExitFailed = 1;
+constexpr int kExitBadUsage = 2;
+
+// What parsing leaves behind: the chosen command with its options bound.
+using Action = std::function<Status()>;
+
+// `text` as "first<separator>second", both whole numbers. False when it is not.
+bool ParsePair(const std::string& text, char separator, int* first, int* second) {
+  const char* end = text.data() + text.size();
+  const auto [middle, error] = std::from_chars(text.data(), end, *first);
+  if (error != std::errc() || middle == end || *middle != separator) return false;
+  const auto [rest, second_error] = std::from_chars(middle + 1, end, *second);
+  return second_error == std::errc() && rest == end;
+}
+
+void AddScene(CLI::App* command, Action* action) {
+  auto options = std::make_shared<depthfarm::SceneCommandOptions>();
+  command->add_option("kind", options->kind, "Arrangement of the cameras: arc, line, grid, irregular or mixed")
+      ->required()
+      ->type_name("KIND");
+  command->add_option("-o,--output", options->output, "Folder to write: sequence.json, pictures, true depth")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--cameras", options->cameras, "Number of cameras")->capture_default_str()->type_name("N");
+  command
+      ->add_option_function<std::string>(
+          "--size",
+          [options](const std::string& text) {
+            const bool parsed = ParsePair(text, 'x', &options->width, &options->height);
+            if (!parsed || options->width < 1 || options->height < 1) {
+              throw CLI::ValidationError("--size", "is " + text + ", expected WIDTHxHEIGHT, e.g. 640x480");
+            }
+          },
+          "Size of the pictures, pixels")
+      ->default_str("640x480")
+      ->type_name("WxH");
+  command->add_option("--frames", options->frames, "Number of frames")->capture_default_str()->type_name("F");
+  command->add_option("--seed", options->seed, "Same seed, same scene")->capture_default_str()->type_name("S");
+  command->add_option("--noise", options->noise, "Standard deviation of the sensor noise, grey levels; 0 = none")
+      ->capture_default_str()
+      ->type_name("SIGMA");
+  command->add_option("--gain", options->gain, "Spread of the cameras' gains around 1; 0 = equal cameras")
+      ->capture_default_str()
+      ->type_name("SPREAD");
+  command->add_option("--format", options->format, "Form of the pictures: png, yuv420p8 or yuv420p10le")
+      ->capture_default_str()
+      ->type_name("NAME");
+  command->footer(
+      "Example: depthfarm scene arc -o scene --cameras 8 --size 640x480 --frames 10\n"
+      "Then:    depthfarm run scene/sequence.json -o out && depthfarm evaluate scene/sequence.json out");
+  command->callback([options, action] { *action = [options] { return depthfarm::RunScene(*options); }; });
+}
+
+void AddEvaluate(CLI::App* command, Action* action) {
+  auto options = std::make_shared<depthfarm::EvaluateCommandOptions>();
+  command->add_option("sequence", options->sequence, "Sequence file the depth was estimated from")
+      ->required()
+      ->type_name("SEQUENCE");
+  command->add_option("depth", options->depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
+  command->add_option("--view", options->view, "Camera to synthesise and compare (default: chosen among the cameras)")
+      ->type_name("CAMERA");
+  command->add_option("--from", options->from, "Cameras to synthesise it from (default: its neighbours)")
+      ->delimiter(',')
+      ->type_name("A,B");
+  command
+      ->add_option_function<std::string>(
+          "--frames",
+          [options](const std::string& text) {
+            const bool parsed = ParsePair(text, ':', &options->first_frame, &options->end_frame);
+            if (!parsed || options->first_frame < 0 || options->end_frame <= options->first_frame) {
+              throw CLI::ValidationError("--frames", "is " + text + ", expected FIRST:END with FIRST < END, e.g. 0:50");
+            }
+          },
+          "Frames FIRST to END - 1 (default: all)")
+      ->type_name("FIRST:END");
+  command->add_flag("--json", options->json, "Print the figures as JSON");
+  command->add_option("--pictures", options->pictures_dir, "Write the synthesised views and differences there")
+      ->type_name("DIR");
+  command
+      ->add_option("--min-psnr", options->min_psnr, "Exit with 1 when the mean luma PSNR is below this, dB; 0 = never")
+      ->capture_default_str()
+      ->type_name("DB");
+  command->footer(
+      "A view that was left out is synthesised from its neighbours' pictures and depth and compared with its picture;\n"
+      "where the sequence has ground truth, depth is compared with it too.");
+  command->callback([options, action] { *action = [options] { return depthfarm::RunEvaluate(*options, std::cout); }; });
+}
+
+void AddColour(CLI::App* command, Action* action) {
+  auto options = std::make_shared<depthfarm::ColourCommandOptions>();
+  command->add_option("depth", options->depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
+  command->add_option("-o,--output", options->output, "Folder for the pictures: CAMERA/FRAME.png and contact.png")
+      ->required()
+      ->type_name("DIR");
+  command->footer("Near is red, far is blue, no depth is black; all cameras share one scale.");
+  command->callback([options, action] { *action = [options] { return depthfarm::RunColour(*options, std::cout); }; });
+}
+
+struct Command {
+  const char* name;
+  const char* summary;
+  void (*add)(CLI::App* command, Action* action);
+};
+
+constexpr std::array<Command, 3> kCommands = {{
+    {"scene", "Render a synthetic multi-camera sequence with exact depth", AddScene},
+    {"evaluate", "Measure depth: synthesised views against pictures, depth against ground truth", AddEvaluate},
+    {"colour", "Turn depth maps into colour pictures to look at", AddColour},
+}};
+
+int Run(int argc, char** argv) {
+  CLI::App app("Commands of depthfarm that work on pictures and depth maps.", "depthfarm-media");
+  app.set_version_flag("--version", DEPTHFARM_VERSION);
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 ok, 1 failed, 2 bad usage or bad input. 'depthfarm-media COMMAND --help' tells more.");
+  Action action;
+  for (const Command& command : kCommands) command.add(app.add_subcommand(command.name, command.summary), &action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitOk : kExitBadUsage;
+  }
+  const Status status = action();
+  if (status.ok()) return kExitOk;
+  std::cerr << "depthfarm-media: " << status.message() << "\n";
+  return status.code() == depthfarm::ErrorCode::kInvalidArgument ? kExitBadUsage : kExitFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "depthfarm-media: unexpected failure: " << error.what() << "\n";
+    return kExitFailed;
+  }
+}

@@ -1,0 +1,38 @@
+#ifndef DEPTHFARM_WORKER_SERVICE_MESSAGES_H_
+#define DEPTHFARM_WORKER_SERVICE_MESSAGES_H_
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/task_spec.h"
+#include "common/wire/envelope.h"
+#include "worker/service/compute_thread.h"
+
+namespace depthfarm {
+
+// What a worker tells of itself when it joins.
+struct WorkerIdentity {
+  std::string name;
+  std::string software_version;
+  std::uint64_t memory_bytes = 0;
+  ArtifactLocation artifacts;  // where its artifact server can be reached
+};
+
+// Worker -> coordinator.
+[[nodiscard]] v1::Envelope HelloMessage(const WorkerIdentity& identity, const std::vector<ArtifactInfo>& artifacts,
+                                        const std::vector<LeaseId>& running);
+[[nodiscard]] v1::Envelope AskMessage(std::uint64_t ask_id);
+[[nodiscard]] v1::Envelope HeartbeatMessage(std::uint64_t heartbeat_id, const std::vector<LeaseId>& running);
+[[nodiscard]] v1::Envelope FinishedMessage(const LeasedOutcome& finished);
+[[nodiscard]] v1::Envelope FailedMessage(LeaseId lease, const v1::TaskId& task, const Status& status);
+[[nodiscard]] v1::Envelope DroppedMessage(const std::vector<ArtifactKey>& keys);
+[[nodiscard]] v1::Envelope GoodbyeMessage();
+
+// Coordinator -> worker: 32-byte keys; others are an error.
+[[nodiscard]] Result<std::vector<ArtifactKey>> KeysOf(const v1::ReleaseArtifacts& release);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_SERVICE_MESSAGES_H_

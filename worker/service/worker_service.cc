@@ -1,0 +1,311 @@
+#include "worker/service/worker_service.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <random>
+#include <utility>
+
+#include "common/log/log.h"
+#include "common/transport/endpoint.h"
+#include "common/wire/job_wire.h"
+#include "common/wire/task_wire.h"
+#include "worker/service/addresses.h"
+
+namespace depthfarm {
+namespace {
+
+namespace event = lifecycle_event;
+namespace action = lifecycle_action;
+
+constexpr Milliseconds kLongestWait{500};  // between looks at the parent process
+constexpr std::size_t kHostNameBytes = 256;
+
+TimePoint Now() { return std::chrono::steady_clock::now(); }
+
+std::string HostName() {
+  std::array<char, kHostNameBytes> name{};
+  if (gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "localhost";
+  return name.data();
+}
+
+// Tells apart the workers of one host, and those of containers that share a host name and number their processes alike.
+std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_string(std::random_device()()); }
+
+std::uint64_t PhysicalMemoryBytes() {
+  const long pages = sysconf(_SC_PHYS_PAGES);
+  const long page_bytes = sysconf(_SC_PAGESIZE);
+  return pages <= 0 || page_bytes <= 0 ? 0 : static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
+}
+
+}  // namespace
+
+Result<std::string> PeerFetcher::Fetch(const TaskInput& input, const std::stop_token& stop) {
+  return client_.Fetch(input.artifact, input.locations, stop);
+}
+
+Result<std::unique_ptr<WorkerService>> WorkerService::Create(const WorkerOptions& options) {
+  std::unique_ptr<WorkerService> service(new WorkerService(options));
+  DEPTHFARM_RETURN_IF_ERROR(service->Open());
+  return service;
+}
+
+WorkerService::WorkerService(const WorkerOptions& options) : options_(options), parent_(getppid()) {}
+
+Status WorkerService::Open() {
+  DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint coordinator, ParseEndpoint(options_.coordinator));
+  std::optional<WorkerKeys> keys;
+  if (!options_.keys.empty()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(keys, ReadWorkerKeys(options_.keys));
+    DEPTHFARM_RETURN_IF_ERROR(context_.Authenticate(keys->allowed_peers));
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(coordinator, keys.has_value(), options_.insecure));
+  const std::string unique = UniqueName();
+  identity_.name = options_.name.empty() ? HostName() + ":" + unique : options_.name;
+  identity_.software_version = options_.software_version;
+  identity_.memory_bytes = PhysicalMemoryBytes();
+  identity_.artifacts.endpoint =
+      options_.artifact_listen.empty() ? DefaultArtifactEndpoint(coordinator, unique) : options_.artifact_listen;
+  DEPTHFARM_RETURN_IF_ERROR(OpenArtifacts(keys));
+
+  ClientOptions channel;
+  if (keys.has_value() && coordinator.kind == Endpoint::Kind::kTcp) {
+    channel.curve_server_public_key = keys->coordinator_public_key;
+    channel.curve_own = keys->own;
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(coordinator_, ClientChannel::Connect(context_, options_.coordinator, channel));
+  LifecycleOptions lifecycle;
+  lifecycle.give_up = options_.give_up;
+  lifecycle_ = std::make_unique<Lifecycle>(lifecycle, Now());
+  compute_ = std::make_unique<ComputeThread>(
+      [this](const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
+        return executor_->Execute(spec, config, stop);
+      },
+      [this] { poller_.Wake(); });
+  return {};
+}
+
+Status WorkerService::OpenArtifacts(const std::optional<WorkerKeys>& keys) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint listen, ParseEndpoint(identity_.artifacts.endpoint));
+  DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(listen, keys.has_value(), options_.insecure));
+  const bool curve = keys.has_value() && listen.kind == Endpoint::Kind::kTcp;
+  DEPTHFARM_ASSIGN_OR_RETURN(store_, ArtifactStore::Open(options_.cache_dir, options_.cache_bytes));
+  DEPTHFARM_ASSIGN_OR_RETURN(server_, ArtifactServer::Start(context_, *store_, identity_.artifacts.endpoint,
+                                                            curve ? keys->own.secret_key : ""));
+  const std::string host = options_.advertise.empty() ? HostName() : options_.advertise;
+  DEPTHFARM_ASSIGN_OR_RETURN(identity_.artifacts.endpoint,
+                             AdvertisedEndpoint(listen, server_->endpoint(), host, !options_.advertise.empty()));
+  if (curve) identity_.artifacts.public_key = keys->own.public_key;
+
+  FetchOptions fetch;
+  fetch.max_artifact_bytes = options_.cache_bytes;
+  fetcher_ = std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch));
+  cache_ = std::make_unique<MemoryCache>(options_.memory_bytes);
+  executor_ = std::make_unique<TaskExecutor>(*store_, *cache_, *fetcher_);
+  return {};
+}
+
+void WorkerService::Stop() {
+  stop_requested_ = true;
+  poller_.Wake();
+}
+
+Status WorkerService::Run() {
+  LogInfo("worker_started", {{"name", identity_.name},
+                             {"coordinator", options_.coordinator},
+                             {"artifacts", identity_.artifacts.endpoint},
+                             {"cache", options_.cache_dir.string()},
+                             {"held", store_->List().size()}});
+  const Channel* const channels[] = {coordinator_.get()};
+  while (!exit_.has_value()) {
+    if (options_.exit_with_parent) CheckParent();
+    if (stop_requested_.exchange(false)) Handle(event::StopRequested{});
+    DEPTHFARM_RETURN_IF_ERROR(ReceiveAll());
+    if (std::optional<LeasedOutcome> outcome = compute_->TakeOutcome()) OnOutcome(std::move(*outcome));
+    ReportDropped();
+    CarryOut(lifecycle_->Tick(Now()));
+    if (exit_.has_value()) break;
+    DEPTHFARM_RETURN_IF_ERROR(poller_.Wait(channels, UntilNextDue()));
+  }
+  LogInfo("worker_stopped", {{"name", identity_.name}, {"reason", exit_->ok() ? "asked to" : exit_->message()}});
+  return *exit_;
+}
+
+Milliseconds WorkerService::UntilNextDue() const {
+  const TimePoint now = Now();
+  const TimePoint due = std::min(lifecycle_->NextDue(), now + kLongestWait);
+  return std::max(Milliseconds(0), std::chrono::ceil<Milliseconds>(due - now));
+}
+
+// Not prctl(PR_SET_PDEATHSIG): that signal comes when the thread that started this process ends, not the process.
+void WorkerService::CheckParent() {
+  if (getppid() == parent_) return;
+  LogInfo("parent_gone", {{"parent", parent_}});
+  Handle(event::StopRequested{});
+}
+
+Status WorkerService::ReceiveAll() {
+  while (!exit_.has_value()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<std::string> bytes, coordinator_->Receive(Milliseconds(0)));
+    if (!bytes.has_value()) return {};
+    const Result<v1::Envelope> message = ParseEnvelope(*bytes);
+    if (message.ok()) {
+      OnMessage(*message);
+    } else if (message.status().code() == ErrorCode::kIncompatible) {
+      Handle(event::Refused{message.status().WithContext("coordinator")});
+    } else {
+      LogWarning("message_refused", {{"reason", message.status().message()}});
+    }
+  }
+  return {};
+}
+
+void WorkerService::OnMessage(const v1::Envelope& message) {
+  switch (message.body_case()) {
+    case v1::Envelope::kWorkerWelcome: {
+      const v1::WorkerWelcome& welcome = message.worker_welcome();
+      if (welcome.heartbeat_ms() == 0 || welcome.lease_ms() <= welcome.heartbeat_ms()) {
+        LogWarning("message_refused", {{"message", BodyName(message)},
+                                       {"heartbeat_ms", welcome.heartbeat_ms()},
+                                       {"lease_ms", welcome.lease_ms()}});
+        return;
+      }
+      LogInfo("welcomed", {{"worker", welcome.worker_id()},
+                           {"heartbeat_ms", welcome.heartbeat_ms()},
+                           {"lease_ms", welcome.lease_ms()}});
+      Handle(event::Welcomed{Milliseconds(welcome.heartbeat_ms()), Milliseconds(welcome.lease_ms())});
+      return;
+    }
+    case v1::Envelope::kError: {
+      const Status reason = FromProto(message.error());
+      LogWarning("refused", {{"code", ErrorCodeName(reason.code())}, {"reason", reason.message()}});
+      Handle(event::Refused{reason});
+      return;
+    }
+    case v1::Envelope::kGrantTask:
+      OnGrant(message.grant_task());
+      return;
+    case v1::Envelope::kHeartbeatAck: {
+      event::HeartbeatAcked ack{message.heartbeat_ack().heartbeat_id(), {}};
+      for (const std::uint64_t lease : message.heartbeat_ack().unknown_leases()) ack.unknown_leases.emplace_back(lease);
+      Handle(ack);
+      return;
+    }
+    case v1::Envelope::kRevokeLease:
+      Handle(event::Revoked{LeaseId(message.revoke_lease().lease_id())});
+      return;
+    case v1::Envelope::kReleaseArtifacts: {
+      const Result<std::vector<ArtifactKey>> keys = KeysOf(message.release_artifacts());
+      if (keys.ok()) {
+        store_->Release(*keys);
+      } else {
+        LogWarning("message_refused", {{"reason", keys.status().message()}});
+      }
+      return;
+    }
+    case v1::Envelope::kJobEnded:
+      jobs_.erase(JobId(message.job_ended().job_id()));
+      return;
+    case v1::Envelope::kStopWorker:
+      Handle(event::StopRequested{});
+      return;
+    default:
+      LogWarning("message_refused", {{"message", BodyName(message)}, {"reason", "not for a worker"}});
+  }
+}
+
+void WorkerService::OnGrant(const v1::GrantTask& grant) {
+  const LeaseId lease(grant.lease_id());
+  const auto refuse = [&](const Status& reason) {
+    LogWarning("grant_refused", {{"lease", grant.lease_id()}, {"reason", reason.message()}});
+    Send(FailedMessage(lease, grant.task().id(), reason));
+  };
+  Result<TaskSpec> spec = FromProto(grant.task());
+  if (!spec.ok()) return refuse(spec.status().WithContext("granted task"));
+  if (grant.has_job()) {
+    Result<JobConfig> config = FromProto(grant.job());
+    if (!config.ok()) return refuse(config.status().WithContext("job of the granted task"));
+    if (config->job != spec->id.job)
+      return refuse(InvalidArgument("the granted task is not of the job that came along"));
+    jobs_[config->job] = std::make_shared<const JobConfig>(std::move(*config));
+  }
+  const auto job = jobs_.find(spec->id.job);
+  if (job == jobs_.end()) return refuse(Unavailable("this worker was never told of the job"));
+  granted_ = LeasedTask{lease, std::move(*spec), job->second};
+  Handle(event::Granted{lease, grant.ask_id()});
+  granted_.reset();
+}
+
+void WorkerService::OnOutcome(LeasedOutcome outcome) {
+  const TaskStats& stats = outcome.outcome.stats;
+  LogInfo("task_ended", {{"lease", outcome.lease.value()},
+                         {"task", TaskName(outcome.task)},
+                         {"code", ErrorCodeName(outcome.outcome.status.code())},
+                         {"reason", outcome.outcome.status.message()},
+                         {"wall_s", stats.wall_seconds},
+                         {"cpu_s", stats.cpu_seconds},
+                         {"fetched_bytes", stats.fetched_bytes},
+                         {"reused", stats.reused}});
+  const LeaseId lease = outcome.lease;
+  ended_ = std::move(outcome);
+  Handle(event::TaskEnded{lease});
+  ended_.reset();
+}
+
+void WorkerService::ReportDropped() {
+  const std::vector<ArtifactKey> dropped = store_->TakeDropped();
+  if (!dropped.empty()) Send(DroppedMessage(dropped));
+}
+
+void WorkerService::Handle(const LifecycleEvent& event) { CarryOut(lifecycle_->Handle(event, Now())); }
+
+void WorkerService::CarryOut(std::vector<LifecycleAction> actions) {
+  for (const LifecycleAction& next : actions) {
+    std::visit([this](const auto& wanted) { Do(wanted); }, next);
+  }
+}
+
+void WorkerService::Do(const action::SendHello& hello) {
+  LogInfo("hello", {{"coordinator", options_.coordinator}, {"running", hello.running.size()}});
+  // What was dropped before is not in the list; telling of it afterwards would be about a newer copy of it.
+  (void)store_->TakeDropped();
+  Send(HelloMessage(identity_, store_->List(), hello.running));
+}
+
+void WorkerService::Do(const action::SendAsk& ask) { Send(AskMessage(ask.ask_id)); }
+
+void WorkerService::Do(const action::SendHeartbeat& beat) { Send(HeartbeatMessage(beat.heartbeat_id, beat.running)); }
+
+void WorkerService::Do(const action::StartTask& start) {
+  LogInfo("task_started", {{"lease", start.lease.value()}, {"task", TaskName(granted_->spec.id)}});
+  compute_->Start(std::move(*granted_));
+}
+
+void WorkerService::Do(const action::StopTask& stop) {
+  LogInfo("task_stopped", {{"lease", stop.lease.value()}, {"reason", stop.reason}});
+  compute_->Stop();
+}
+
+void WorkerService::Do(const action::ReportTask&) { Send(FinishedMessage(*ended_)); }
+
+void WorkerService::Do(const action::DropResult& drop) { LogInfo("result_dropped", {{"lease", drop.lease.value()}}); }
+
+void WorkerService::Do(const action::RefuseGrant& refusal) {
+  LogInfo("grant_refused", {{"lease", refusal.lease.value()}, {"reason", refusal.reason}});
+  Send(FailedMessage(refusal.lease, ToProto(granted_->spec.id), {ErrorCode::kLeaseExpired, refusal.reason}));
+}
+
+void WorkerService::Do(const action::SendGoodbye&) { Send(GoodbyeMessage()); }
+
+void WorkerService::Do(const action::Exit& exit) { exit_ = exit.status; }
+
+void WorkerService::Send(v1::Envelope message) {
+  const std::string name = BodyName(message);
+  const Status sent = coordinator_->Send(SerializeEnvelope(std::move(message)));
+  // A message that finds the queue full is lost like one on a cut cable: leases and heartbeats are made for that.
+  if (!sent.ok()) LogWarning("message_lost", {{"message", name}, {"reason", sent.message()}});
+}
+
+}  // namespace depthfarm

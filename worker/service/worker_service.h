@@ -1,0 +1,119 @@
+#ifndef DEPTHFARM_WORKER_SERVICE_WORKER_SERVICE_H_
+#define DEPTHFARM_WORKER_SERVICE_WORKER_SERVICE_H_
+
+#include <atomic>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/transport/client_channel.h"
+#include "common/transport/context.h"
+#include "common/transport/farm_keys.h"
+#include "common/transport/poller.h"
+#include "worker/artifacts/memory_cache.h"
+#include "worker/artifacts/store.h"
+#include "worker/execution/task_executor.h"
+#include "worker/lifecycle/lifecycle.h"
+#include "worker/service/compute_thread.h"
+#include "worker/service/messages.h"
+#include "worker/transfer/artifact_client.h"
+#include "worker/transfer/artifact_server.h"
+
+namespace depthfarm {
+
+struct WorkerOptions {
+  std::string coordinator;     // endpoint
+  std::filesystem::path keys;  // folder; empty: no CURVE
+  bool insecure = false;       // tcp without CURVE, on loopback addresses only
+  std::filesystem::path cache_dir;
+  std::uint64_t cache_bytes = std::uint64_t{8} << 30;   // bound of the store
+  std::uint64_t memory_bytes = std::uint64_t{2} << 30;  // bound of the decoded artifacts kept in memory
+  std::string name;                                     // empty: host:pid:random
+  std::string artifact_listen;                          // empty: DefaultArtifactEndpoint
+  std::string advertise;                                // host name for peers; empty: this host's name, or as bound
+  std::string software_version;
+  bool exit_with_parent = false;        // leave when the process that started this one is gone
+  std::optional<Milliseconds> give_up;  // leave after so long without the coordinator
+};
+
+// Fetches inputs from other workers.
+class PeerFetcher : public ArtifactFetcher {
+ public:
+  explicit PeerFetcher(ArtifactClient client) : client_(std::move(client)) {}
+  [[nodiscard]] Result<std::string> Fetch(const TaskInput& input, const std::stop_token& stop) override;
+
+ private:
+  ArtifactClient client_;
+};
+
+// A worker: carries out what its Lifecycle decides. Three threads: the caller of Run talks to the coordinator, one
+// computes, one serves artifacts to peers.
+class WorkerService {
+ public:
+  // Opens store and sockets. Errors: kInvalidArgument: endpoints, keys, security rules; kUnavailable: folder or
+  // address.
+  [[nodiscard]] static Result<std::unique_ptr<WorkerService>> Create(const WorkerOptions& options);
+  ~WorkerService() = default;
+  WorkerService(const WorkerService&) = delete;
+  WorkerService& operator=(const WorkerService&) = delete;
+
+  // Works until the coordinator or Stop ends it (ok), or it is refused or gives up (an error).
+  [[nodiscard]] Status Run();
+  // Asks Run to say goodbye and return. From any thread or signal handler.
+  void Stop();
+  // After Run: whether a task did not notice in time that it was stopped. The destructor would wait for it.
+  [[nodiscard]] bool busy() const { return compute_->busy(); }
+
+ private:
+  explicit WorkerService(const WorkerOptions& options);
+  [[nodiscard]] Status Open();
+  [[nodiscard]] Status OpenArtifacts(const std::optional<WorkerKeys>& keys);
+
+  [[nodiscard]] Status ReceiveAll();
+  void OnMessage(const v1::Envelope& message);
+  void OnGrant(const v1::GrantTask& grant);
+  void OnOutcome(LeasedOutcome outcome);
+  void ReportDropped();
+  void CheckParent();
+  void Handle(const LifecycleEvent& event);
+  void CarryOut(std::vector<LifecycleAction> actions);
+  void Do(const lifecycle_action::SendHello& action);
+  void Do(const lifecycle_action::SendAsk& action);
+  void Do(const lifecycle_action::SendHeartbeat& action);
+  void Do(const lifecycle_action::StartTask& action);
+  void Do(const lifecycle_action::StopTask& action);
+  void Do(const lifecycle_action::ReportTask& action);
+  void Do(const lifecycle_action::DropResult& action);
+  void Do(const lifecycle_action::RefuseGrant& action);
+  void Do(const lifecycle_action::SendGoodbye& action);
+  void Do(const lifecycle_action::Exit& action);
+  void Send(v1::Envelope message);
+  [[nodiscard]] Milliseconds UntilNextDue() const;
+
+  const WorkerOptions options_;
+  const int parent_;
+  WorkerIdentity identity_;
+  std::atomic<bool> stop_requested_ = false;
+  Poller poller_;
+  TransportContext context_;
+  std::unique_ptr<ArtifactStore> store_;
+  std::unique_ptr<ArtifactServer> server_;
+  std::unique_ptr<PeerFetcher> fetcher_;
+  std::unique_ptr<MemoryCache> cache_;      // of the computing thread
+  std::unique_ptr<TaskExecutor> executor_;  // same
+  std::unique_ptr<ClientChannel> coordinator_;
+  std::unique_ptr<Lifecycle> lifecycle_;
+  std::map<JobId, std::shared_ptr<const JobConfig>> jobs_;
+  std::optional<LeasedTask> granted_;   // while the lifecycle decides about it
+  std::optional<LeasedOutcome> ended_;  // same
+  std::optional<Status> exit_;
+  std::unique_ptr<ComputeThread> compute_;  // last: ends first
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_SERVICE_WORKER_SERVICE_H_

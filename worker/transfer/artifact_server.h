@@ -1,0 +1,55 @@
+#ifndef DEPTHFARM_WORKER_TRANSFER_ARTIFACT_SERVER_H_
+#define DEPTHFARM_WORKER_TRANSFER_ARTIFACT_SERVER_H_
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "common/base/status.h"
+#include "common/transport/context.h"
+#include "common/transport/poller.h"
+#include "common/transport/server_channel.h"
+#include "common/wire/envelope.h"
+#include "worker/artifacts/store.h"
+
+namespace depthfarm {
+
+// The largest piece of an artifact in one message.
+inline constexpr std::uint32_t kMaxChunkBytes = 1 << 20;
+
+// What an artifact server answers. GetChunk: a Chunk, whose error says what is wrong (kUnavailable: not in this store;
+// kInvalidArgument: no key, offset past the end, more than kMaxChunkBytes or nothing asked for). Anything else: Error.
+[[nodiscard]] v1::Envelope AnswerPeer(ArtifactStore& store, const v1::Envelope& request);
+
+// Serves the artifacts of a store to other workers from a thread of its own, until it is destroyed. Peers that do not
+// read their answers lose them: nothing waits for anybody.
+class ArtifactServer {
+ public:
+  // `curve_secret_key` empty: no CURVE. Errors as ServerChannel::Bind. Context and store must outlive the server.
+  [[nodiscard]] static Result<std::unique_ptr<ArtifactServer>> Start(TransportContext& context, ArtifactStore& store,
+                                                                     const std::string& endpoint,
+                                                                     const std::string& curve_secret_key);
+  ~ArtifactServer();
+  ArtifactServer(const ArtifactServer&) = delete;
+  ArtifactServer& operator=(const ArtifactServer&) = delete;
+
+  // Where it is bound in fact.
+  [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
+
+ private:
+  ArtifactServer(ArtifactStore& store, std::unique_ptr<ServerChannel> channel);
+  void Serve();
+  void AnswerWaiting();
+
+  ArtifactStore& store_;
+  std::unique_ptr<ServerChannel> channel_;
+  const std::string endpoint_;
+  Poller poller_;
+  std::atomic<bool> stopping_ = false;
+  std::thread thread_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_TRANSFER_ARTIFACT_SERVER_H_

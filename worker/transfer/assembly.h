@@ -1,0 +1,53 @@
+#ifndef DEPTHFARM_WORKER_TRANSFER_ASSEMBLY_H_
+#define DEPTHFARM_WORKER_TRANSFER_ASSEMBLY_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/status.h"
+
+namespace depthfarm {
+
+// An artifact of known size that arrives in chunks, in any order and from any location.
+class Assembly {
+ public:
+  struct Piece {
+    std::uint64_t offset = 0;
+    std::uint32_t bytes = 0;
+  };
+
+  // Takes memory for all of it. Errors: kUnavailable when there is none.
+  [[nodiscard]] static Result<Assembly> Create(std::uint64_t total_bytes, std::uint32_t chunk_bytes);
+
+  [[nodiscard]] std::size_t num_pieces() const { return state_.size(); }
+  [[nodiscard]] Piece PieceAt(std::size_t index) const;
+  // The first piece that is neither here nor asked for; marks it as asked for.
+  [[nodiscard]] std::optional<std::size_t> AskNext();
+  // Pieces asked for and not here will be asked for again.
+  void ForgetAsks();
+  // Requires the piece's exact size.
+  void Fill(std::size_t index, std::string_view data);
+  [[nodiscard]] bool complete() const { return filled_ == state_.size(); }
+  [[nodiscard]] bool empty() const { return filled_ == 0; }
+  // Nothing is here any more.
+  void Reset();
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+  [[nodiscard]] std::string Take() && { return std::move(bytes_); }
+
+ private:
+  enum class State : std::uint8_t { kMissing, kAsked, kFilled };
+  Assembly() = default;
+
+  std::string bytes_;
+  std::uint32_t chunk_bytes_ = 1;
+  std::vector<State> state_;
+  std::size_t first_missing_ = 0;  // no piece before it is kMissing
+  std::size_t filled_ = 0;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_TRANSFER_ASSEMBLY_H_
