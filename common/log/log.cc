@@ -51,9 +51,18 @@ void AppendQuoted(std::string& line, std::string_view value) {
   line += '"';
 }
 
-void Log(spdlog::level::level_enum level, std::string_view event, std::initializer_list<LogField> fields) {
-  if (!Logger().should_log(level)) return;
-  Logger().log(level, FormatLogLine(event, fields));
+spdlog::level::level_enum LibraryLevel(LogLevel level) {
+  switch (level) {
+    case LogLevel::kDebug:
+      return spdlog::level::debug;
+    case LogLevel::kInfo:
+      return spdlog::level::info;
+    case LogLevel::kWarning:
+      return spdlog::level::warn;
+    case LogLevel::kError:
+      return spdlog::level::err;
+  }
+  return spdlog::level::err;
 }
 
 }  // namespace
@@ -64,7 +73,7 @@ LogField::LogField(std::string_view name, double number) : key(name) {
   value = text.data();
 }
 
-std::string FormatLogLine(std::string_view event, std::initializer_list<LogField> fields) {
+std::string FormatLogLine(std::string_view event, std::span<const LogField> fields) {
   std::string line(event);
   for (const LogField& field : fields) {
     line += ' ';
@@ -79,17 +88,22 @@ std::string FormatLogLine(std::string_view event, std::initializer_list<LogField
   return line;
 }
 
+void Log(LogLevel level, std::string_view event, std::span<const LogField> fields) {
+  if (!Logger().should_log(LibraryLevel(level))) return;
+  Logger().log(LibraryLevel(level), FormatLogLine(event, fields));
+}
+
 void LogDebug(std::string_view event, std::initializer_list<LogField> fields) {
-  Log(spdlog::level::debug, event, fields);
+  Log(LogLevel::kDebug, event, {fields.begin(), fields.size()});
 }
 void LogInfo(std::string_view event, std::initializer_list<LogField> fields) {
-  Log(spdlog::level::info, event, fields);
+  Log(LogLevel::kInfo, event, {fields.begin(), fields.size()});
 }
 void LogWarning(std::string_view event, std::initializer_list<LogField> fields) {
-  Log(spdlog::level::warn, event, fields);
+  Log(LogLevel::kWarning, event, {fields.begin(), fields.size()});
 }
 void LogError(std::string_view event, std::initializer_list<LogField> fields) {
-  Log(spdlog::level::err, event, fields);
+  Log(LogLevel::kError, event, {fields.begin(), fields.size()});
 }
 
 Status SetLogLevel(std::string_view level) {

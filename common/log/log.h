@@ -3,6 +3,7 @@
 
 #include <concepts>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -25,6 +26,8 @@ struct LogField {
 
 // Lines go to stderr: time, level, event, fields: "2026-01-02T03:04:05.678Z info task_granted job=12 lease=991".
 // Thread-safe. For services and programs only: pure folders return values instead.
+enum class LogLevel { kDebug, kInfo, kWarning, kError };
+void Log(LogLevel level, std::string_view event, std::span<const LogField> fields);
 void LogDebug(std::string_view event, std::initializer_list<LogField> fields = {});
 void LogInfo(std::string_view event, std::initializer_list<LogField> fields = {});
 void LogWarning(std::string_view event, std::initializer_list<LogField> fields = {});
@@ -35,7 +38,7 @@ void LogError(std::string_view event, std::initializer_list<LogField> fields = {
 
 // The part of a line after time and level. Values that are empty or hold a space, '"', '=' or a control character are
 // quoted, with \", \\, \n, \t and \xNN escapes, so that a line is one line whatever a peer sent.
-[[nodiscard]] std::string FormatLogLine(std::string_view event, std::initializer_list<LogField> fields);
+[[nodiscard]] std::string FormatLogLine(std::string_view event, std::span<const LogField> fields);
 
 }  // namespace depthfarm
 

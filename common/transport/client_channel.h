@@ -15,8 +15,8 @@
 namespace depthfarm {
 
 struct ClientOptions {
-  std::string curve_server_public_key;  // Z85; empty: no CURVE
-  CurveKeys curve_own;                  // with curve_server_public_key
+  std::string curve_server_public_key = {};  // Z85; empty: no CURVE
+  CurveKeys curve_own = {};                  // with curve_server_public_key
   std::int64_t max_message_bytes = kMaxMessageBytes;
   std::chrono::milliseconds linger{500};  // how long the end of the channel waits for queued messages to leave
 };

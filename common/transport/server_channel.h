@@ -14,7 +14,7 @@
 namespace depthfarm {
 
 struct ServerOptions {
-  std::string curve_secret_key;  // Z85; empty: no CURVE (ipc, or loopback by explicit wish: see CheckSecurity)
+  std::string curve_secret_key = {};  // Z85; empty: no CURVE (ipc, or loopback by explicit wish: see CheckSecurity)
   std::int64_t max_message_bytes = kMaxMessageBytes;
   std::chrono::milliseconds linger{500};  // how long the end of the channel waits for queued messages to leave
 };

@@ -1,0 +1,33 @@
+#ifndef DEPTHFARM_COORDINATOR_PLANNING_ARTIFACT_KEYS_H_
+#define DEPTHFARM_COORDINATOR_PLANNING_ARTIFACT_KEYS_H_
+
+#include <span>
+
+#include "common/job/task_spec.h"
+
+namespace depthfarm {
+
+// Names of the label fields of a job. Two tasks, of whatever jobs, have the same key exactly when their operation,
+// algorithm version, level planes, cameras, parameters that reach the energy, level block and inputs are the same;
+// output folders, names, priorities, GOP length and frame numbers do not count. Keys of Analyse are the worker's: they
+// need the picture.
+class ArtifactKeys {
+ public:
+  explicit ArtifactKeys(const JobConfig& config);
+
+  struct Input {
+    InputRole role = InputRole::kAnalysis;
+    ArtifactKey key{};
+  };
+  // `inputs` in the order of the TaskSpec.
+  [[nodiscard]] ArtifactKey Estimate(int num_blocks, int block, std::span<const Input> inputs) const;
+  [[nodiscard]] ArtifactKey Merge(std::span<const Input> inputs) const;
+
+ private:
+  Partition partition_;
+  ArtifactKey job_;  // of what all tasks of the job share
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_PLANNING_ARTIFACT_KEYS_H_

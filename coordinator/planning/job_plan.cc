@@ -1,0 +1,164 @@
+#include "coordinator/planning/job_plan.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <utility>
+
+namespace depthfarm {
+namespace {
+
+constexpr std::int64_t kMaxDepthFiles = 400'000;  // about 120 bytes each in a message of at most 64 MiB
+
+std::uint64_t CountMerges(const std::vector<std::vector<MergePair>>& rounds) {
+  std::uint64_t count = 0;
+  for (const auto& pairs : rounds) {
+    count += static_cast<std::uint64_t>(
+        std::count_if(pairs.begin(), pairs.end(), [](const MergePair& pair) { return pair.second >= 0; }));
+  }
+  return count;
+}
+
+}  // namespace
+
+bool MakesArtifact(TaskKind kind) {
+  return kind == TaskKind::kAnalyse || kind == TaskKind::kEstimate || kind == TaskKind::kMerge;
+}
+
+Status CheckPlannable(const ResolvedJob& job) {
+  const std::int64_t files = std::int64_t{job.num_frames} * job.num_views();
+  if (files <= kMaxDepthFiles) return {};
+  return InvalidArgument("the job has " + std::to_string(files) + " depth files (frames x views), expected at most " +
+                         std::to_string(kMaxDepthFiles) + ": submit it in parts with --frames");
+}
+
+JobPlan::JobPlan(PlannedJob job)
+    : job_(std::move(job)),
+      rounds_i_(MergeRounds(resolved().level_blocks_i)),
+      rounds_p_(MergeRounds(resolved().level_blocks_p)) {}
+
+int JobPlan::num_gops() const { return (resolved().num_frames + resolved().params.gop - 1) / resolved().params.gop; }
+
+const std::vector<std::vector<MergePair>>& JobPlan::Rounds(int frame) const {
+  return resolved().IsIFrame(frame) ? rounds_i_ : rounds_p_;
+}
+
+std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
+  const JobId job = job_.config.job;
+  const int begin = gop * resolved().params.gop;
+  const int end = std::min(begin + resolved().params.gop, resolved().num_frames);
+  std::vector<TaskId> tasks;
+  for (int frame = begin; frame < end; ++frame) {
+    for (int view = 0; view < resolved().num_views(); ++view)
+      tasks.push_back({job, frame, TaskKind::kAnalyse, view, 0});
+    for (int block = 0; block < resolved().NumBlocks(frame); ++block) {
+      tasks.push_back({job, frame, TaskKind::kEstimate, block, 0});
+    }
+    const auto& rounds = Rounds(frame);
+    for (int round = 0; round < static_cast<int>(rounds.size()); ++round) {
+      const auto& pairs = rounds[static_cast<std::size_t>(round)];
+      for (int pair = 0; pair < static_cast<int>(pairs.size()); ++pair) {
+        if (pairs[static_cast<std::size_t>(pair)].second >= 0)
+          tasks.push_back({job, frame, TaskKind::kMerge, round, pair});
+      }
+    }
+    tasks.push_back({job, frame, TaskKind::kEmit, 0, 0});
+    tasks.push_back({job, frame, TaskKind::kCommit, 0, 0});
+  }
+  return tasks;
+}
+
+TaskId JobPlan::PartialResult(int frame, int round, int index) const {
+  const JobId job = job_.config.job;
+  const auto& rounds = Rounds(frame);
+  for (; round > 0; --round) {
+    const MergePair& pair = rounds[static_cast<std::size_t>(round - 1)][static_cast<std::size_t>(index)];
+    if (pair.second >= 0) return {job, frame, TaskKind::kMerge, round - 1, index};
+    index = pair.first;
+  }
+  return {job, frame, TaskKind::kEstimate, index, 0};
+}
+
+TaskId JobPlan::FinalLabels(int frame) const { return PartialResult(frame, static_cast<int>(Rounds(frame).size()), 0); }
+
+void JobPlan::AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const {
+  for (int view = 0; view < resolved().num_views(); ++view) {
+    inputs.push_back({{job_.config.job, frame, TaskKind::kAnalyse, view, 0}, role, view});
+  }
+}
+
+std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
+  std::vector<PlannedInput> inputs;
+  switch (id.kind) {
+    case TaskKind::kEstimate: {
+      AddAnalyses(id.frame, InputRole::kAnalysis, inputs);
+      if (resolved().IsIFrame(id.frame)) break;
+      const int i_frame = resolved().IFrameOf(id.frame);
+      AddAnalyses(id.frame - 1, InputRole::kPreviousAnalysis, inputs);
+      inputs.push_back({FinalLabels(id.frame - 1), InputRole::kPreviousLabels, 0});
+      AddAnalyses(i_frame, InputRole::kIAnalysis, inputs);
+      inputs.push_back({FinalLabels(i_frame), InputRole::kILabels, 0});
+      break;
+    }
+    case TaskKind::kMerge: {
+      AddAnalyses(id.frame, InputRole::kAnalysis, inputs);
+      const MergePair& pair = Rounds(id.frame)[static_cast<std::size_t>(id.index)][static_cast<std::size_t>(id.pair)];
+      inputs.push_back({PartialResult(id.frame, id.index, pair.first), InputRole::kLabels, 0});
+      inputs.push_back({PartialResult(id.frame, id.index, pair.second), InputRole::kLabels, 0});
+      break;
+    }
+    case TaskKind::kEmit:
+      AddAnalyses(id.frame, InputRole::kAnalysis, inputs);
+      inputs.push_back({FinalLabels(id.frame), InputRole::kLabels, 0});
+      break;
+    case TaskKind::kPrepare:
+    case TaskKind::kAnalyse:
+    case TaskKind::kCommit:
+    case TaskKind::kManifest:
+    case TaskKind::kCleanup:
+      break;
+  }
+  return inputs;
+}
+
+std::vector<TaskId> JobPlan::Prerequisites(const TaskId& id) const {
+  std::vector<TaskId> tasks;
+  for (const PlannedInput& input : Inputs(id)) tasks.push_back(input.producer);
+  if (id.kind == TaskKind::kEmit) tasks.push_back(OfJob(TaskKind::kPrepare));
+  if (id.kind == TaskKind::kCommit) tasks.push_back({id.job, id.frame, TaskKind::kEmit, 0, 0});
+  std::sort(tasks.begin(), tasks.end());
+  tasks.erase(std::unique(tasks.begin(), tasks.end()), tasks.end());
+  return tasks;
+}
+
+std::uint64_t JobPlan::Total(TaskKind kind) const {
+  const auto frames = static_cast<std::uint64_t>(resolved().num_frames);
+  const auto i_frames = static_cast<std::uint64_t>(num_gops());
+  const std::uint64_t p_frames = frames - i_frames;
+  switch (kind) {
+    case TaskKind::kPrepare:
+    case TaskKind::kManifest:
+      return 1;
+    case TaskKind::kAnalyse:
+      return frames * static_cast<std::uint64_t>(resolved().num_views());
+    case TaskKind::kEstimate:
+      return i_frames * static_cast<std::uint64_t>(resolved().level_blocks_i) +
+             p_frames * static_cast<std::uint64_t>(resolved().level_blocks_p);
+    case TaskKind::kMerge:
+      return i_frames * CountMerges(rounds_i_) + p_frames * CountMerges(rounds_p_);
+    case TaskKind::kEmit:
+    case TaskKind::kCommit:
+      return frames;
+    case TaskKind::kCleanup:
+      return 0;
+  }
+  return 0;
+}
+
+std::string JobPlan::OutputPath(int frame, int view) const {
+  std::array<char, 16> number{};
+  std::snprintf(number.data(), number.size(), "%04d", resolved().params.first_frame + frame);
+  return resolved().views[static_cast<std::size_t>(view)].camera.name + "/" + number.data() + ".png";
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,86 @@
+#ifndef DEPTHFARM_COORDINATOR_PLANNING_JOB_PLAN_H_
+#define DEPTHFARM_COORDINATOR_PLANNING_JOB_PLAN_H_
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/level_partition.h"
+#include "common/job/task_spec.h"
+
+namespace depthfarm {
+
+inline constexpr int kNumTaskKinds = 8;
+
+// A job as it is planned: what its tasks have in common and where its pictures are.
+struct PlannedJob {
+  JobConfig config;
+  std::vector<std::vector<std::string>> pictures;  // [view][frame of the job], absolute paths
+};
+
+// An input of a task before anything has run: who makes it.
+struct PlannedInput {
+  TaskId producer;
+  InputRole role = InputRole::kAnalysis;
+  int view = 0;
+  bool operator==(const PlannedInput&) const = default;
+};
+
+// The task graph of a job, computed on demand: nothing is stored per task. GOPs do not depend on each other.
+//
+//   Prepare -----------------------------------------.
+//   Analyse(f, v) -> Estimate(f, b) -> Merge(f, r, p) -> Emit(f) -> Commit(f) -> Manifest
+//          `-> Estimate(f + 1, b), and those of the whole GOP if f is its I frame
+class JobPlan {
+ public:
+  explicit JobPlan(PlannedJob job);
+
+  [[nodiscard]] const PlannedJob& job() const { return job_; }
+  [[nodiscard]] const ResolvedJob& resolved() const { return job_.config.resolved; }
+
+  [[nodiscard]] int num_gops() const;
+  // All tasks of a GOP, prerequisites before what needs them.
+  [[nodiscard]] std::vector<TaskId> TasksOfGop(int gop) const;
+  [[nodiscard]] int GopOf(int frame) const { return frame / resolved().params.gop; }
+
+  // Prepare, Manifest, Cleanup.
+  [[nodiscard]] TaskId OfJob(TaskKind kind) const { return {job_.config.job, 0, kind, 0, 0}; }
+
+  // What a task reads, in the order of its TaskSpec: by role, then by view.
+  [[nodiscard]] std::vector<PlannedInput> Inputs(const TaskId& id) const;
+  // The tasks that must be done before `id`, each once, ascending. Manifest, which needs every Commit, lists none: the
+  // caller counts.
+  [[nodiscard]] std::vector<TaskId> Prerequisites(const TaskId& id) const;
+
+  // The task whose result is the label field of the frame.
+  [[nodiscard]] TaskId FinalLabels(int frame) const;
+  // How many tasks of a kind the job has (Cleanup: 0).
+  [[nodiscard]] std::uint64_t Total(TaskKind kind) const;
+
+  // What Emit(frame) must write, view by view, relative to DIR/depth: "cam0/0012.png". The number is the frame's
+  // position in the sequence, four digits or more.
+  [[nodiscard]] std::string OutputPath(int frame, int view) const;
+
+ private:
+  // The task that made partial result `index` of merge round `round` (0: the blocks); passing on makes no task.
+  [[nodiscard]] TaskId PartialResult(int frame, int round, int index) const;
+  [[nodiscard]] const std::vector<std::vector<MergePair>>& Rounds(int frame) const;
+  void AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const;
+
+  PlannedJob job_;
+  std::vector<std::vector<MergePair>> rounds_i_;
+  std::vector<std::vector<MergePair>> rounds_p_;
+};
+
+// True for the kinds whose result is an artifact: Analyse, Estimate, Merge.
+[[nodiscard]] bool MakesArtifact(TaskKind kind);
+
+// Bounds of one job: the Manifest task names every depth file in one message. kInvalidArgument names the bound.
+[[nodiscard]] Status CheckPlannable(const ResolvedJob& job);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_PLANNING_JOB_PLAN_H_

@@ -1,0 +1,67 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_ACTIONS_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_ACTIONS_H_
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "coordinator/scheduling/snapshot.h"
+
+namespace depthfarm {
+
+// A task with all that its worker needs, but for the addresses of the workers that hold its inputs.
+struct GrantedTask {
+  TaskSpec spec;                               // inputs without locations
+  std::vector<std::vector<WorkerId>> holders;  // per input, at most a few, never empty
+};
+
+struct Grant {
+  WorkerId worker;
+  LeaseId lease;
+  std::uint64_t ask_id = 0;
+  int attempt = 1;
+  bool first_of_job = false;  // the worker needs the JobConfig
+  GrantedTask task;
+};
+struct AcknowledgeHeartbeat {
+  WorkerId worker;
+  std::uint64_t heartbeat_id = 0;
+  std::vector<LeaseId> unknown;
+};
+struct Revoke {
+  WorkerId worker;
+  LeaseId lease;
+};
+struct Release {
+  WorkerId worker;
+  std::vector<ArtifactKey> keys;
+};
+// Tell the worker that no task of the job will come any more.
+struct ForgetJob {
+  WorkerId worker;
+  JobId job;
+};
+// The job left the scheduler; this is the last that it knows of it.
+struct JobEnded {
+  JobSnapshot job;
+};
+// The worker was silent for a lease: it is out until it says Hello again.
+struct WorkerLost {
+  WorkerId worker;
+  std::string name;
+};
+// Something worth a log line.
+struct Note {
+  enum class Severity { kInfo, kWarning, kError };
+  Severity severity = Severity::kInfo;
+  std::string event;
+  std::vector<std::pair<std::string, std::string>> fields;
+};
+
+using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, ForgetJob, JobEnded, WorkerLost, Note>;
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_ACTIONS_H_

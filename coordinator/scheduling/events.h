@@ -1,0 +1,80 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_EVENTS_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_EVENTS_H_
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/task_spec.h"
+#include "coordinator/planning/job_plan.h"
+
+namespace depthfarm {
+
+using TimePoint = std::chrono::steady_clock::time_point;
+using Milliseconds = std::chrono::milliseconds;
+
+// ---- what clients cause ----
+
+// A job whose id is new and that CheckPlannable accepted.
+struct JobSubmitted {
+  PlannedJob job;
+  std::string name;
+  int priority = 0;  // larger first
+};
+struct JobCancelled {
+  JobId job;
+};
+
+// ---- what workers cause ----
+
+// A worker said Hello, for the first time or again. What is known of its store and its leases is replaced.
+struct WorkerJoined {
+  WorkerId worker;
+  std::string name;
+  std::vector<ArtifactInfo> artifacts;
+  std::vector<LeaseId> running;
+};
+struct WorkerAsked {
+  WorkerId worker;
+  std::uint64_t ask_id = 0;
+};
+struct WorkerHeard {
+  WorkerId worker;
+  std::uint64_t heartbeat_id = 0;
+  std::vector<LeaseId> running;
+};
+struct TaskFinished {
+  WorkerId worker;
+  LeaseId lease;
+  TaskId task;
+  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge; its key is the output key
+  std::vector<OutputFile> files;                // Emit
+  std::optional<ContentDigest> picture_digest;  // Analyse
+  TaskStats stats;
+};
+struct TaskFailed {
+  WorkerId worker;
+  LeaseId lease;
+  TaskId task;
+  Status error;
+  std::vector<ArtifactKey> missing_inputs;  // could be fetched nowhere
+};
+struct ArtifactsDropped {
+  WorkerId worker;
+  std::vector<ArtifactKey> keys;
+};
+// Said goodbye: its tasks go elsewhere, and that is nobody's failure.
+struct WorkerLeft {
+  WorkerId worker;
+};
+
+using Event = std::variant<JobSubmitted, JobCancelled, WorkerJoined, WorkerAsked, WorkerHeard, TaskFinished, TaskFailed,
+                           ArtifactsDropped, WorkerLeft>;
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_EVENTS_H_

@@ -1,0 +1,318 @@
+#include "coordinator/scheduling/job_progress.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace depthfarm {
+namespace {
+
+// Where a worker is told to look for an input; more would only make messages longer.
+constexpr std::size_t kMaxHolders = 8;
+
+// Unique to the attempt: what an orphan of an older one still writes is never taken for the accepted one's.
+std::string StagingName(int frame, int attempt, LeaseId lease) {
+  return "f" + std::to_string(frame) + "-a" + std::to_string(attempt) + "-l" + std::to_string(lease.value());
+}
+
+}  // namespace
+
+JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks)
+    : plan_(std::move(job)), keys_(plan_.job().config), directory_(directory), max_setbacks_(max_setbacks) {
+  const auto frames = static_cast<std::size_t>(plan_.resolved().num_frames);
+  done_files_.resize(frames);
+  picture_digests_.resize(frames * plan_.resolved().views.size());
+  for (int kind = 0; kind < kNumTaskKinds; ++kind) {
+    stages_[static_cast<std::size_t>(kind)].tasks_total = plan_.Total(static_cast<TaskKind>(kind));
+  }
+  table_.Add(plan_.OfJob(TaskKind::kPrepare));
+  Queue(plan_.OfJob(TaskKind::kPrepare));
+  Settle();
+}
+
+void JobProgress::OpenNextGop() {
+  const std::vector<TaskId> tasks = plan_.TasksOfGop(next_gop_);
+  for (const TaskId& id : tasks) table_.Add(id);
+  int frames = 0;
+  for (const TaskId& id : tasks) {
+    for (const TaskId& needed : plan_.Prerequisites(id)) ++table_.Find(needed)->consumers;
+    frames += id.kind == TaskKind::kCommit ? 1 : 0;
+    Queue(id);
+  }
+  open_gops_[next_gop_++] = frames;
+  Settle();
+}
+
+void JobProgress::Settle() {
+  while (!to_activate_.empty()) {
+    const TaskId id = to_activate_.back();
+    to_activate_.pop_back();
+    Activate(id);
+  }
+}
+
+bool JobProgress::IsSatisfied(const TaskId& id) const {
+  const Task* task = table_.Find(id);
+  if (task == nullptr || task->state != TaskState::kDone) return false;
+  return !MakesArtifact(id.kind) || (task->artifact && directory_.Find(task->artifact->key) != nullptr);
+}
+
+void JobProgress::Activate(const TaskId& id) {
+  Task* task = table_.Find(id);
+  if (task == nullptr || task->state == TaskState::kDone || task->state == TaskState::kLeased) return;
+  if (MakesArtifact(id.kind) && task->consumers == 0) {  // was lost, and meanwhile nobody needs it
+    MarkDone(id);
+    return;
+  }
+  bool watching = false;
+  for (const TaskId& needed : plan_.Prerequisites(id)) {
+    if (IsSatisfied(needed)) continue;
+    Task* other = table_.Find(needed);
+    if (!watching) other->watchers.push_back(id);
+    watching = true;
+    if (other->state == TaskState::kDone) Reopen(needed);
+  }
+  if (watching) {
+    table_.SetState(id, TaskState::kBlocked);
+    return;
+  }
+  if (const std::optional<ArtifactKey> key = OutputKey(id, BoundInputs(id))) {
+    if (const ArtifactInfo* artifact = directory_.Find(*key)) {
+      SetArtifact(id, *artifact);
+      ++Stage(id.kind).reused;
+      MarkDone(id);
+      return;
+    }
+  }
+  table_.SetState(id, TaskState::kReady);
+}
+
+void JobProgress::CountSetback(const TaskId& id) {
+  Task* task = table_.Find(id);
+  if (task != nullptr && ++task->setbacks > max_setbacks_) worn_out_ = id;
+}
+
+void JobProgress::Reopen(const TaskId& id) {
+  table_.SetState(id, TaskState::kBlocked);
+  --Stage(id.kind).tasks_done;
+  CountSetback(id);
+  for (const TaskId& needed : plan_.Prerequisites(id)) ++table_.Find(needed)->consumers;
+  Queue(id);
+}
+
+void JobProgress::MarkDone(const TaskId& id) {
+  table_.SetState(id, TaskState::kDone);
+  ++Stage(id.kind).tasks_done;
+  for (const TaskId& needed : plan_.Prerequisites(id)) {
+    Task* other = table_.Find(needed);
+    if (--other->consumers > 0 || !MakesArtifact(needed.kind)) continue;
+    if (other->artifact && !Needs(other->artifact->key)) released_.push_back(other->artifact->key);
+    Queue(needed);  // a lost one need not run again
+  }
+  const std::vector<TaskId> watchers = std::exchange(table_.Find(id)->watchers, {});
+  for (const TaskId& watcher : watchers) Queue(watcher);
+  if (id.kind == TaskKind::kCommit) CommitFrame(id.frame);
+}
+
+void JobProgress::CommitFrame(int frame) {
+  const auto emitted = emitted_.find(frame);
+  for (const OutputFile& file : emitted->second.files) {
+    done_files_[static_cast<std::size_t>(frame)].push_back({file.sha256, file.bytes});
+  }
+  emitted_.erase(emitted);
+  ++frames_done_;
+  const int gop = plan_.GopOf(frame);
+  if (--open_gops_.at(gop) == 0) {
+    for (const TaskId& id : plan_.TasksOfGop(gop)) {
+      const Task* task = table_.Find(id);
+      if (task->artifact) ForgetProducer(id, task->artifact->key);
+      table_.Remove(id);
+    }
+    open_gops_.erase(gop);
+  }
+  if (frames_done_ == plan_.resolved().num_frames) {
+    table_.Add(plan_.OfJob(TaskKind::kManifest));
+    Queue(plan_.OfJob(TaskKind::kManifest));
+  }
+}
+
+void JobProgress::SetArtifact(const TaskId& id, const ArtifactInfo& artifact) {
+  Task& task = *table_.Find(id);
+  if (task.artifact && task.artifact->key != artifact.key) ForgetProducer(id, task.artifact->key);
+  task.artifact = artifact;
+  producers_[artifact.key].insert(id);
+}
+
+void JobProgress::ForgetProducer(const TaskId& id, const ArtifactKey& key) {
+  const auto producers = producers_.find(key);
+  producers->second.erase(id);
+  if (producers->second.empty()) producers_.erase(producers);
+}
+
+std::vector<TaskInput> JobProgress::BoundInputs(const TaskId& id) const {
+  std::vector<TaskInput> inputs;
+  for (const PlannedInput& planned : plan_.Inputs(id)) {
+    const Task* producer = table_.Find(planned.producer);
+    if (producer == nullptr || !producer->artifact) continue;
+    const ArtifactInfo* artifact = directory_.Find(producer->artifact->key);
+    if (artifact != nullptr) inputs.push_back({*artifact, planned.role, planned.view, {}});
+  }
+  return inputs;
+}
+
+std::vector<ArtifactInfo> JobProgress::InputsOf(const TaskId& id) const {
+  std::vector<ArtifactInfo> artifacts;
+  for (const TaskInput& input : BoundInputs(id)) artifacts.push_back(input.artifact);
+  return artifacts;
+}
+
+std::optional<ArtifactKey> JobProgress::OutputKey(const TaskId& id, const std::vector<TaskInput>& inputs) const {
+  if (id.kind != TaskKind::kEstimate && id.kind != TaskKind::kMerge) return std::nullopt;
+  std::vector<ArtifactKeys::Input> keys;
+  for (const TaskInput& input : inputs) keys.push_back({input.role, input.artifact.key});
+  if (id.kind == TaskKind::kMerge) return keys_.Merge(keys);
+  return keys_.Estimate(plan_.resolved().NumBlocks(id.frame), id.index, keys);
+}
+
+TaskSpec JobProgress::Spec(const TaskId& id) const {
+  TaskSpec spec;
+  spec.id = id;
+  spec.inputs = BoundInputs(id);
+  spec.output_key = OutputKey(id, spec.inputs);
+  if (id.kind == TaskKind::kAnalyse) {
+    spec.picture = plan_.job().pictures[static_cast<std::size_t>(id.index)][static_cast<std::size_t>(id.frame)];
+  }
+  if (id.kind == TaskKind::kCommit) {
+    spec.staging = emitted_.at(id.frame).staging;
+    spec.files = emitted_.at(id.frame).files;
+  }
+  if (id.kind == TaskKind::kManifest) {
+    for (int frame = 0; frame < plan_.resolved().num_frames; ++frame) {
+      int view = 0;
+      for (const DoneFile& file : done_files_[static_cast<std::size_t>(frame)]) {
+        spec.files.push_back({plan_.OutputPath(frame, view++), file.sha256, file.bytes});
+      }
+    }
+    spec.picture_digests = picture_digests_;
+  }
+  return spec;
+}
+
+std::optional<GrantedTask> JobProgress::Take(const TaskId& id, LeaseId lease) {
+  Queue(id);  // what was there when it became ready may be lost or made by now
+  Settle();
+  Task* task = table_.Find(id);
+  if (task == nullptr || task->state != TaskState::kReady) return std::nullopt;
+  GrantedTask granted{Spec(id), {}};
+  if (id.kind == TaskKind::kEmit) granted.spec.staging = StagingName(id.frame, task->failures + 1, lease);
+  for (const TaskInput& input : granted.spec.inputs) {
+    std::vector<WorkerId> holders = directory_.Holders(input.artifact.key);
+    // Different tasks begin with different holders, so that one worker does not serve them all.
+    const std::size_t shift = static_cast<std::size_t>(lease.value() % holders.size());
+    std::rotate(holders.begin(), holders.begin() + static_cast<std::ptrdiff_t>(shift), holders.end());
+    if (holders.size() > kMaxHolders) holders.resize(kMaxHolders);
+    granted.holders.push_back(std::move(holders));
+  }
+  table_.SetState(id, TaskState::kLeased);
+  task->lease = lease;
+  task->staging = granted.spec.staging;
+  task->expected_key = granted.spec.output_key;
+  if (id.kind == TaskKind::kPrepare) prepare_was_granted_ = true;
+  return granted;
+}
+
+void JobProgress::PutBack(const TaskId& id) {
+  const Task* task = table_.Find(id);
+  if (task == nullptr || task->state != TaskState::kLeased) return;
+  table_.SetState(id, TaskState::kBlocked);
+  Queue(id);
+  Settle();
+}
+
+Status JobProgress::CheckResult(const TaskFinished& result, const Task& task) const {
+  const TaskId& id = result.task;
+  if (MakesArtifact(id.kind) && !result.artifact) return Internal(TaskName(id) + " ended without an artifact");
+  if (task.expected_key && result.artifact->key != *task.expected_key) {
+    return Internal(TaskName(id) + " ended with an artifact of another name than its output key");
+  }
+  if (id.kind == TaskKind::kAnalyse && !result.picture_digest) {
+    return Internal(TaskName(id) + " ended without the digest of its picture");
+  }
+  if (id.kind != TaskKind::kEmit) return {};
+  const int views = plan_.resolved().num_views();
+  if (static_cast<int>(result.files.size()) != views) {
+    return Internal(TaskName(id) + " wrote " + std::to_string(result.files.size()) + " files, expected " +
+                    std::to_string(views));
+  }
+  for (int view = 0; view < views; ++view) {
+    const std::string& path = result.files[static_cast<std::size_t>(view)].path;
+    const std::string expected = plan_.OutputPath(id.frame, view);
+    if (path != expected) return Internal(TaskName(id) + " wrote '" + path + "', expected '" + expected + "'");
+  }
+  return {};
+}
+
+Result<bool> JobProgress::Finish(const TaskFinished& result) {
+  const TaskId& id = result.task;
+  Task& task = *table_.Find(id);
+  DEPTHFARM_RETURN_IF_ERROR(CheckResult(result, task));
+  bool changed_content = false;
+  if (MakesArtifact(id.kind)) {
+    changed_content = task.artifact && task.artifact->key == result.artifact->key && *task.artifact != *result.artifact;
+    SetArtifact(id, *result.artifact);
+  }
+  if (id.kind == TaskKind::kAnalyse) {
+    const auto position = static_cast<std::size_t>(id.frame) * plan_.resolved().views.size();
+    picture_digests_[position + static_cast<std::size_t>(id.index)] = *result.picture_digest;
+  }
+  if (id.kind == TaskKind::kEmit) emitted_[id.frame] = {task.staging, result.files};
+  StageSnapshot& stage = Stage(id.kind);
+  stage.cpu_seconds += result.stats.cpu_seconds;
+  stage.wall_seconds += result.stats.wall_seconds;
+  stage.peak_memory_bytes = std::max(stage.peak_memory_bytes, result.stats.peak_memory_bytes);
+  stage.fetched_bytes += result.stats.fetched_bytes;
+  stage.sweeps += result.stats.sweeps;
+  stage.reused += result.stats.reused ? 1 : 0;
+  done_ = id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
+  MarkDone(id);
+  Settle();
+  return changed_content;
+}
+
+void JobProgress::LoseArtifacts(const std::vector<ArtifactKey>& keys) {
+  for (const ArtifactKey& key : keys) {
+    const auto producers = producers_.find(key);
+    if (producers == producers_.end()) continue;
+    for (const TaskId& id : producers->second) {
+      const Task* task = table_.Find(id);
+      if (task->state == TaskState::kDone && task->consumers > 0) Reopen(id);
+    }
+  }
+  Settle();
+}
+
+bool JobProgress::Needs(const ArtifactKey& key) const {
+  const auto producers = producers_.find(key);
+  return producers != producers_.end() && std::any_of(producers->second.begin(), producers->second.end(),
+                                                      [&](const TaskId& id) { return table_.Find(id)->consumers > 0; });
+}
+
+std::vector<ArtifactKey> JobProgress::TakeReleased() { return std::exchange(released_, {}); }
+
+void JobProgress::Abandon() {
+  for (const auto& [key, producers] : producers_) released_.push_back(key);
+  producers_.clear();
+  table_.Clear();
+  emitted_.clear();
+  open_gops_.clear();
+  worn_out_.reset();
+  next_gop_ = plan_.num_gops();
+}
+
+void JobProgress::StartCleanup() {
+  table_.Add(plan_.OfJob(TaskKind::kCleanup));
+  Stage(TaskKind::kCleanup).tasks_total = 1;
+  Queue(plan_.OfJob(TaskKind::kCleanup));
+  Settle();
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,122 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_JOB_PROGRESS_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_JOB_PROGRESS_H_
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "coordinator/planning/artifact_keys.h"
+#include "coordinator/planning/job_plan.h"
+#include "coordinator/scheduling/actions.h"
+#include "coordinator/scheduling/artifact_directory.h"
+#include "coordinator/scheduling/snapshot.h"
+#include "coordinator/scheduling/task_table.h"
+
+namespace depthfarm {
+
+// How far one job is: its open GOPs, which tasks are ready, what they made. Knows nothing of workers, leases and time.
+//
+// A task is ready when its prerequisites are done and somebody holds their artifacts. A blocked task watches one
+// missing prerequisite and looks again when that one is done, so that the work per task does not grow with the number
+// of inputs that arrive. Estimate and Merge tasks whose artifact somebody holds already are done without running.
+class JobProgress {
+ public:
+  // `directory` must outlive the job. Prepare is ready from the start.
+  JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks);
+
+  [[nodiscard]] const JobPlan& plan() const { return plan_; }
+  [[nodiscard]] const TaskTable& table() const { return table_; }
+  [[nodiscard]] Task* Find(const TaskId& id) { return table_.Find(id); }
+
+  [[nodiscard]] bool HasUnopenedGop() const { return next_gop_ < plan_.num_gops(); }
+  [[nodiscard]] int num_open_gops() const { return static_cast<int>(open_gops_.size()); }
+  void OpenNextGop();
+
+  // Leases a ready task, if its inputs are still there; else it (or what it needs) is put back and the result is empty.
+  [[nodiscard]] std::optional<GrantedTask> Take(const TaskId& id, LeaseId lease);
+  // A leased task goes back to be done again; nothing for a task that is not leased.
+  void PutBack(const TaskId& id);
+
+  // Applies the result of a leased task, whose artifact is in the directory. The result says whether an earlier run of
+  // the task made other bytes under the same key (a determinism violation). kInternal: not what the task had to make;
+  // the task stays leased.
+  [[nodiscard]] Result<bool> Finish(const TaskFinished& result);
+
+  // The artifacts are held by nobody any more. Tasks that made them and that unfinished tasks need run again.
+  void LoseArtifacts(const std::vector<ArtifactKey>& keys);
+  // True if an unfinished task reads the artifact.
+  [[nodiscard]] bool Needs(const ArtifactKey& key) const;
+  // The artifacts that a task reads, in its order; those that nobody holds are left out.
+  [[nodiscard]] std::vector<ArtifactInfo> InputsOf(const TaskId& id) const;
+  // The artifacts that no unfinished task of the job reads any more, since the last call.
+  [[nodiscard]] std::vector<ArtifactKey> TakeReleased();
+  // A task whose artifact or inputs were lost more often than `max_setbacks`.
+  [[nodiscard]] const std::optional<TaskId>& worn_out() const { return worn_out_; }
+  void CountSetback(const TaskId& id);
+
+  // The job will not go on: all tasks are forgotten, their artifacts released.
+  void Abandon();
+  // After Abandon: adds the Cleanup task, ready.
+  void StartCleanup();
+  [[nodiscard]] bool prepare_was_granted() const { return prepare_was_granted_; }
+  // Manifest, or after Abandon Cleanup, is done.
+  [[nodiscard]] bool done() const { return done_; }
+
+  [[nodiscard]] int frames_done() const { return frames_done_; }
+  [[nodiscard]] const std::array<StageSnapshot, kNumTaskKinds>& stages() const { return stages_; }
+
+ private:
+  struct EmittedFrame {
+    std::string staging;
+    std::vector<OutputFile> files;  // of each view
+  };
+  struct DoneFile {
+    ContentDigest sha256{};
+    std::uint64_t bytes = 0;
+  };
+
+  // Activation decides between blocked, ready and done by what is there now. It is queued, not nested: a reused chain
+  // of P frames may be long.
+  void Queue(const TaskId& id) { to_activate_.push_back(id); }
+  void Settle();
+  void Activate(const TaskId& id);
+  [[nodiscard]] bool IsSatisfied(const TaskId& id) const;
+  void Reopen(const TaskId& id);
+  void MarkDone(const TaskId& id);
+  void CommitFrame(int frame);
+  void SetArtifact(const TaskId& id, const ArtifactInfo& artifact);
+  void ForgetProducer(const TaskId& id, const ArtifactKey& key);
+  [[nodiscard]] std::vector<TaskInput> BoundInputs(const TaskId& id) const;
+  [[nodiscard]] std::optional<ArtifactKey> OutputKey(const TaskId& id, const std::vector<TaskInput>& inputs) const;
+  [[nodiscard]] TaskSpec Spec(const TaskId& id) const;
+  [[nodiscard]] Status CheckResult(const TaskFinished& result, const Task& task) const;
+  [[nodiscard]] StageSnapshot& Stage(TaskKind kind) { return stages_[static_cast<std::size_t>(kind)]; }
+
+  JobPlan plan_;
+  ArtifactKeys keys_;
+  const ArtifactDirectory& directory_;
+  const int max_setbacks_;
+  TaskTable table_;
+  std::vector<TaskId> to_activate_;
+  int next_gop_ = 0;
+  std::map<int, int> open_gops_;  // GOP -> frames that are not committed
+  std::map<ArtifactKey, std::set<TaskId>> producers_;
+  std::map<int, EmittedFrame> emitted_;            // frames whose Commit is not done
+  std::vector<std::vector<DoneFile>> done_files_;  // [frame][view], for the manifest
+  std::vector<ContentDigest> picture_digests_;     // by frame, then view
+  std::vector<ArtifactKey> released_;
+  std::optional<TaskId> worn_out_;
+  std::array<StageSnapshot, kNumTaskKinds> stages_;
+  int frames_done_ = 0;
+  bool prepare_was_granted_ = false;
+  bool done_ = false;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_JOB_PROGRESS_H_

@@ -1,0 +1,35 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_PLACEMENT_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_PLACEMENT_H_
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "common/job/task.h"
+
+namespace depthfarm {
+
+// A ready task that is as urgent as the others of its span.
+struct TaskCandidate {
+  TaskId task;
+  std::map<WorkerId, std::uint64_t> local_bytes;  // how much of its inputs a worker holds
+  std::set<WorkerId> avoid;                       // workers on which it failed, if there are others
+};
+
+struct Placement {
+  TaskId task;
+  WorkerId worker;
+  bool operator==(const Placement&) const = default;
+};
+
+// Which of some equally urgent tasks goes to which free worker: the pair with the most input bytes in place; ties go to
+// the first task, then to the worker that has waited longest. `free_workers`: longest waiting first. None if every free
+// worker is one to avoid.
+[[nodiscard]] std::optional<Placement> ChoosePlacement(std::span<const TaskCandidate> tasks,
+                                                       std::span<const WorkerId> free_workers);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_PLACEMENT_H_

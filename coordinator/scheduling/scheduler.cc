@@ -1,0 +1,262 @@
+#include "coordinator/scheduling/scheduler.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+namespace depthfarm {
+namespace {
+
+std::string Number(std::uint64_t value) { return std::to_string(value); }
+
+}  // namespace
+
+Scheduler::Scheduler(const SchedulerOptions& options) : options_(options), next_lease_(options.first_lease) {}
+
+std::vector<Action> Scheduler::Handle(const Event& event, TimePoint now) {
+  now_ = now;
+  std::visit([this](const auto& typed) { On(typed); }, event);
+  Advance();
+  return std::exchange(actions_, {});
+}
+
+std::vector<Action> Scheduler::Tick(TimePoint now) {
+  now_ = now;
+  std::vector<WorkerId> silent;
+  for (const auto& [id, worker] : workers_.workers()) {
+    if (now - worker.last_heard >= options_.lease) silent.push_back(id);
+  }
+  for (const WorkerId id : silent) {
+    const Status lost(ErrorCode::kUnavailable, "the worker was lost");
+    RemoveWorker(*workers_.Find(id), &lost);
+  }
+  std::vector<std::pair<LeaseId, Lease>> overdue;
+  for (const auto& [id, lease] : workers_.leases()) {
+    if (lease.expires <= now) overdue.emplace_back(id, lease);
+  }
+  for (const auto& [id, lease] : overdue) {
+    workers_.EndLease(id);
+    if (lease.revoked) continue;
+    AddNote(Note::Severity::kWarning, "lease_expired",
+            {{"task", TaskName(lease.task)}, {"lease", Number(id.value())}, {"worker", Number(lease.worker.value())}});
+    actions_.emplace_back(Revoke{lease.worker, id});
+    CountFailure(lease.task, lease.worker, {ErrorCode::kLeaseExpired, "the lease ran out"});
+  }
+  Advance();
+  return std::exchange(actions_, {});
+}
+
+void Scheduler::On(const WorkerJoined& event) {
+  Worker& worker = workers_.Join(event.worker, event.name, now_);
+  AddNote(
+      Note::Severity::kInfo, "worker_joined",
+      {{"worker", Number(event.worker.value())}, {"name", event.name}, {"artifacts", Number(event.artifacts.size())}});
+  const std::set<LeaseId> running(event.running.begin(), event.running.end());
+  const std::set<LeaseId> leases = worker.leases;
+  for (const LeaseId id : leases) {
+    Lease& lease = *workers_.FindLease(id);
+    if (running.contains(id) && !lease.revoked) {
+      lease.expires = now_ + options_.lease;
+      continue;
+    }
+    const Lease ended = lease;
+    workers_.EndLease(id);
+    JobRecord* job = FindJob(ended.task.job);
+    if (!ended.revoked && job != nullptr) job->progress->PutBack(ended.task);  // the grant never arrived
+  }
+  for (const LeaseId id : running) {
+    if (!worker.leases.contains(id)) actions_.emplace_back(Revoke{event.worker, id});
+  }
+
+  std::set<ArtifactKey> held;
+  for (const ArtifactInfo& artifact : event.artifacts) held.insert(artifact.key);
+  std::vector<ArtifactKey> lost;
+  for (const ArtifactKey& key : directory_.KeysOf(event.worker)) {
+    if (!held.contains(key) && directory_.Remove(event.worker, key)) lost.push_back(key);
+  }
+  for (const ArtifactInfo& artifact : event.artifacts)
+    AddArtifact(event.worker, artifact, JobId(), "the store of " + event.name);
+  LoseArtifacts(lost);
+}
+
+void Scheduler::EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running) {
+  const std::set<LeaseId> leases = worker.leases;
+  for (const LeaseId id : leases) {
+    const bool running = std::find(still_running.begin(), still_running.end(), id) != still_running.end();
+    if (!running && workers_.FindLease(id)->revoked) workers_.EndLease(id);
+  }
+}
+
+void Scheduler::On(const WorkerAsked& event) {
+  Worker* worker = workers_.Find(event.worker);
+  if (worker == nullptr) return;
+  worker->last_heard = now_;
+  worker->ask = Worker::Ask{event.ask_id, now_};
+  EndRevokedLeases(*worker, {});  // its slot is free
+}
+
+void Scheduler::On(const WorkerHeard& event) {
+  Worker* worker = workers_.Find(event.worker);
+  if (worker == nullptr) return;
+  worker->last_heard = now_;
+  AcknowledgeHeartbeat answer{event.worker, event.heartbeat_id, {}};
+  for (const LeaseId id : event.running) {
+    Lease* lease = workers_.FindLease(id);
+    if (lease == nullptr || lease->worker != event.worker || lease->revoked) {
+      answer.unknown.push_back(id);
+    } else {
+      lease->expires = now_ + options_.lease;
+    }
+  }
+  EndRevokedLeases(*worker, event.running);
+  actions_.emplace_back(std::move(answer));
+}
+
+std::optional<Lease> Scheduler::EndLeaseOf(WorkerId worker, LeaseId id, const TaskId& task) {
+  const Lease* lease = workers_.FindLease(id);
+  if (lease == nullptr || lease->worker != worker || lease->task != task) {
+    ++late_results_;
+    AddNote(Note::Severity::kWarning, "late_result",
+            {{"task", TaskName(task)}, {"lease", Number(id.value())}, {"worker", Number(worker.value())}});
+    return std::nullopt;
+  }
+  const Lease ended = *lease;
+  workers_.EndLease(id);
+  if (ended.revoked) return std::nullopt;
+  return ended;
+}
+
+void Scheduler::On(const TaskFinished& event) {
+  Worker* worker = workers_.Find(event.worker);
+  if (worker == nullptr) return;
+  worker->last_heard = now_;
+  // Whosever result it is, the artifact is there now.
+  if (event.artifact) AddArtifact(event.worker, *event.artifact, event.task.job, TaskName(event.task));
+  const std::optional<Lease> lease = EndLeaseOf(event.worker, event.lease, event.task);
+  JobRecord* job = FindJob(event.task.job);
+  if (!lease || job == nullptr || job->progress->Find(event.task) == nullptr) return;
+  ++worker->tasks_done;
+  TaskDone(*job, event);
+}
+
+void Scheduler::On(const TaskFailed& event) {
+  Worker* worker = workers_.Find(event.worker);
+  if (worker == nullptr) return;
+  worker->last_heard = now_;
+  const std::optional<Lease> lease = EndLeaseOf(event.worker, event.lease, event.task);
+  JobRecord* job = FindJob(event.task.job);
+  if (!lease || job == nullptr || job->progress->Find(event.task) == nullptr) return;
+  const ErrorCode code = event.error.code();
+  AddNote(Note::Severity::kWarning, "task_failed",
+          {{"task", TaskName(event.task)},
+           {"lease", Number(event.lease.value())},
+           {"worker", worker->name},
+           {"code", std::string(ErrorCodeName(code))},
+           {"reason", event.error.message()}});
+  if (code == ErrorCode::kLeaseExpired || code == ErrorCode::kCancelled) {
+    job->progress->PutBack(event.task);  // not begun, or given up by a worker that leaves: nobody's failure
+  } else if (code == ErrorCode::kInvalidArgument && event.task.kind != TaskKind::kCleanup) {
+    EndJobBadly(event.task.job, JobState::kFailed, event.error.WithContext(TaskName(event.task)));
+  } else if (!event.missing_inputs.empty()) {
+    ForgetInputs(*job, event, *lease);
+  } else {
+    CountFailure(event.task, event.worker, event.error);
+  }
+}
+
+void Scheduler::On(const ArtifactsDropped& event) {
+  Worker* worker = workers_.Find(event.worker);
+  if (worker == nullptr) return;
+  worker->last_heard = now_;
+  std::vector<ArtifactKey> lost;
+  for (const ArtifactKey& key : event.keys) {
+    if (directory_.Remove(event.worker, key)) lost.push_back(key);
+  }
+  LoseArtifacts(lost);
+}
+
+void Scheduler::On(const WorkerLeft& event) {
+  if (Worker* worker = workers_.Find(event.worker)) RemoveWorker(*worker, nullptr);
+}
+
+void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
+  const WorkerId id = worker.id;
+  const std::string name = worker.name;
+  std::vector<std::pair<LeaseId, Lease>> ended;
+  for (const LeaseId lease : worker.leases) ended.emplace_back(lease, *workers_.FindLease(lease));
+  for (const auto& [lease_id, lease] : ended) workers_.EndLease(lease_id);
+  workers_.Remove(id);
+  AddNote(lost == nullptr ? Note::Severity::kInfo : Note::Severity::kWarning,
+          lost == nullptr ? "worker_left" : "worker_lost", {{"worker", Number(id.value())}, {"name", name}});
+  if (lost != nullptr) actions_.emplace_back(WorkerLost{id, name});
+  LoseArtifacts(directory_.RemoveWorker(id));
+  for (const auto& [lease_id, lease] : ended) {
+    JobRecord* job = FindJob(lease.task.job);
+    if (lease.revoked || job == nullptr) continue;
+    if (lost == nullptr) {
+      job->progress->PutBack(lease.task);
+    } else {
+      CountFailure(lease.task, id, lost->WithContext(name));
+    }
+  }
+}
+
+void Scheduler::AddArtifact(WorkerId worker, const ArtifactInfo& artifact, JobId job, const std::string& made_by) {
+  if (directory_.Add(worker, artifact) == ArtifactDirectory::AddResult::kConflict)
+    AddViolation(job, artifact.key, made_by);
+}
+
+void Scheduler::AddViolation(JobId job, const ArtifactKey& key, const std::string& made_by) {
+  if (JobRecord* record = FindJob(job)) ++record->violations;
+  std::string hex;
+  for (std::size_t i = 0; i < 8; ++i) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    hex += kDigits[key[i] >> 4U];
+    hex += kDigits[key[i] & 15U];
+  }
+  AddNote(Note::Severity::kError, "determinism_violation", {{"key", hex}, {"made_by", made_by}});
+}
+
+void Scheduler::LoseArtifacts(const std::vector<ArtifactKey>& keys) {
+  if (keys.empty()) return;
+  std::vector<TaskId> worn_out;
+  for (auto& [id, job] : jobs_) {
+    job.progress->LoseArtifacts(keys);
+    if (job.progress->worn_out()) worn_out.push_back(*job.progress->worn_out());
+  }
+  for (const TaskId& task : worn_out) {
+    EndJobBadly(task.job, JobState::kFailed,
+                Unavailable(TaskName(task) + ": its artifact or inputs were lost more than " +
+                            std::to_string(options_.max_setbacks) + " times: are the workers' stores large enough?"));
+  }
+}
+
+std::optional<JobId> Scheduler::JobWritingTo(const std::string& output_dir) const {
+  for (const auto& [id, job] : jobs_) {
+    if (job.progress->plan().job().config.output_dir == output_dir) return id;
+  }
+  return std::nullopt;
+}
+
+bool Scheduler::empty() const {
+  return jobs_.empty() && order_.empty() && workers_.workers().empty() && workers_.leases().empty() &&
+         directory_.empty();
+}
+
+std::vector<WorkerSnapshot> Scheduler::Workers() const {
+  std::vector<WorkerSnapshot> snapshots;
+  for (const auto& [id, worker] : workers_.workers()) {
+    WorkerSnapshot snapshot{
+        id, worker.name, {}, worker.last_heard, worker.tasks_done, directory_.Count(id), directory_.Bytes(id)};
+    for (const LeaseId lease : worker.leases) snapshot.running.push_back(workers_.leases().at(lease).task);
+    snapshots.push_back(std::move(snapshot));
+  }
+  return snapshots;
+}
+
+void Scheduler::AddNote(Note::Severity severity, std::string event,
+                        std::vector<std::pair<std::string, std::string>> fields) {
+  actions_.emplace_back(Note{severity, std::move(event), std::move(fields)});
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,126 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_SCHEDULER_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_SCHEDULER_H_
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/scheduling/actions.h"
+#include "coordinator/scheduling/artifact_directory.h"
+#include "coordinator/scheduling/events.h"
+#include "coordinator/scheduling/job_progress.h"
+#include "coordinator/scheduling/placement.h"
+#include "coordinator/scheduling/snapshot.h"
+#include "coordinator/scheduling/worker_table.h"
+
+namespace depthfarm {
+
+struct SchedulerOptions {
+  Milliseconds lease{6000};           // silence after which a task, or a worker, is given up
+  Milliseconds cleanup_grace{30000};  // how long a failed job waits for its Cleanup before it ends without
+  int max_attempts = 4;               // of one task, before its job fails
+  int max_setbacks = 16;              // times that a task's artifact or inputs may be lost, before its job fails
+  int ready_per_worker = 2;           // another GOP is opened when fewer tasks are ready
+  int max_open_gops = 64;             // of one job
+  std::uint64_t first_lease = 1;      // a number that no earlier coordinator of the same workers used
+};
+
+// All that the coordinator knows and decides. Holds no socket, file, thread or clock; the same events at the same times
+// give the same actions. Not thread-safe: one owner.
+//
+//   Job     Running --last task--> Done;  --task gave up, or cancelled--> leases revoked, Cleanup --> Failed, Cancelled
+//   Task    see TaskState;   Lease   granted --renewed by heartbeats--> result, failure, expiry, or revoked
+//   Worker  joined --silent for a lease, or goodbye--> out: its leases end, its artifacts are not counted on any more
+class Scheduler {
+ public:
+  explicit Scheduler(const SchedulerOptions& options);
+
+  // Applies one event and returns what must now be done, in order. Events of workers that did not join are ignored.
+  [[nodiscard]] std::vector<Action> Handle(const Event& event, TimePoint now);
+  // Expires what is overdue at `now`. A second call at the same `now` returns nothing.
+  [[nodiscard]] std::vector<Action> Tick(TimePoint now);
+
+  [[nodiscard]] bool Knows(WorkerId worker) const { return workers_.Find(worker) != nullptr; }
+  // The job that writes to the folder, if one does: a folder belongs to one job at a time.
+  [[nodiscard]] std::optional<JobId> JobWritingTo(const std::string& output_dir) const;
+  [[nodiscard]] std::optional<JobSnapshot> Job(JobId id) const;
+  // By id. Jobs that ended are not among them.
+  [[nodiscard]] std::vector<JobSnapshot> Jobs() const;
+  [[nodiscard]] std::vector<WorkerSnapshot> Workers() const;
+
+  // Results of leases that had ended before.
+  [[nodiscard]] std::uint64_t late_results() const { return late_results_; }
+  // True when nothing is kept: no job, lease, worker or artifact.
+  [[nodiscard]] bool empty() const;
+
+ private:
+  struct JobRecord {
+    std::string name;
+    int priority = 0;
+    TimePoint submitted;
+    std::unique_ptr<JobProgress> progress;
+    JobState ending = JobState::kRunning;  // what it will be when leases and Cleanup are over
+    Status error;
+    TimePoint cleanup_deadline;
+    bool cleanup_started = false;
+    std::uint64_t retries = 0;
+    std::uint64_t violations = 0;
+  };
+
+  void On(const JobSubmitted& event);
+  void On(const JobCancelled& event);
+  void On(const WorkerJoined& event);
+  void On(const WorkerAsked& event);
+  void On(const WorkerHeard& event);
+  void On(const TaskFinished& event);
+  void On(const TaskFailed& event);
+  void On(const ArtifactsDropped& event);
+  void On(const WorkerLeft& event);
+
+  // The lease of a result, ended; null (and a note) if it is not the worker's any more.
+  [[nodiscard]] std::optional<Lease> EndLeaseOf(WorkerId worker, LeaseId lease, const TaskId& task);
+  void RemoveWorker(Worker& worker, const Status* lost);
+  void EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running);
+  void AddArtifact(WorkerId worker, const ArtifactInfo& artifact, JobId job, const std::string& made_by);
+  void LoseArtifacts(const std::vector<ArtifactKey>& keys);
+  void AddViolation(JobId job, const ArtifactKey& key, const std::string& made_by);
+
+  // scheduler_jobs.cc
+  [[nodiscard]] JobRecord* FindJob(JobId id);
+  void TaskDone(JobRecord& job, const TaskFinished& event);
+  void CountFailure(const TaskId& task, WorkerId worker, const Status& error);
+  void ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease);
+  void EndJobBadly(JobId id, JobState state, const Status& error);
+  void ReleaseArtifactsOf(JobRecord& job);
+  void AdvanceEndings();
+  void OpenGops();
+  void Assign();
+  [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
+  void MakeGrant(JobRecord& job, const Placement& placement);
+  void EndJob(JobId id, JobState state);
+  [[nodiscard]] std::vector<WorkerId> FreeWorkers() const;
+  [[nodiscard]] bool HasLeases(JobId id) const;
+  [[nodiscard]] JobSnapshot Snapshot(JobId id, const JobRecord& job) const;
+  // Everything that an event may have made possible.
+  void Advance();
+
+  void AddNote(Note::Severity severity, std::string event, std::vector<std::pair<std::string, std::string>> fields);
+
+  const SchedulerOptions options_;
+  TimePoint now_;                // of the event being handled
+  std::vector<Action> actions_;  // of the event being handled
+  std::uint64_t next_lease_;
+  ArtifactDirectory directory_;
+  WorkerTable workers_;
+  std::map<JobId, JobRecord> jobs_;
+  std::map<std::pair<int, JobId>, JobId> order_;  // (-priority, id): ids grow with submission
+  std::uint64_t late_results_ = 0;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_SCHEDULER_H_

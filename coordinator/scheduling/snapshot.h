@@ -1,0 +1,62 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_SNAPSHOT_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_SNAPSHOT_H_
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "coordinator/scheduling/events.h"
+
+namespace depthfarm {
+
+enum class JobState { kRunning, kDone, kFailed, kCancelled };
+
+// What the tasks of one kind have used so far. Sums over successful attempts.
+struct StageSnapshot {
+  std::uint64_t tasks_done = 0;
+  std::uint64_t tasks_total = 0;
+  double cpu_seconds = 0;
+  double wall_seconds = 0;
+  std::uint64_t peak_memory_bytes = 0;  // the largest
+  std::uint64_t fetched_bytes = 0;
+  std::uint64_t sweeps = 0;
+  std::uint64_t reused = 0;
+};
+
+struct RunningTask {
+  TaskId task;
+  WorkerId worker;
+  std::string worker_name;
+};
+
+struct JobSnapshot {
+  JobId id;
+  std::string name;
+  std::string output_dir;
+  int priority = 0;
+  JobState state = JobState::kRunning;
+  Status error;  // set as soon as the job begins to fail; the state follows when its leases and Cleanup are over
+  int frames_done = 0;
+  int frames_total = 0;
+  std::array<StageSnapshot, kNumTaskKinds> stages;  // by TaskKind
+  std::vector<RunningTask> running;
+  std::uint64_t retries = 0;
+  std::uint64_t determinism_violations = 0;
+  TimePoint submitted;
+  TimePoint ended;  // of a job that ended
+};
+
+struct WorkerSnapshot {
+  WorkerId id;
+  std::string name;
+  std::vector<TaskId> running;
+  TimePoint last_heard;
+  std::uint64_t tasks_done = 0;
+  std::uint64_t artifacts = 0;
+  std::uint64_t artifact_bytes = 0;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_SNAPSHOT_H_

@@ -1,0 +1,64 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_TASK_TABLE_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_TASK_TABLE_H_
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/job/task_spec.h"
+
+namespace depthfarm {
+
+//   Blocked --all prerequisites there--> Ready --granted--> Leased --result--> Done
+//                                          ^                  |                  |
+//                                          +--failed, expired-+     its artifact was lost and is needed: Blocked again
+enum class TaskState { kBlocked, kReady, kLeased, kDone };
+
+struct Task {
+  TaskState state = TaskState::kBlocked;
+  int failures = 0;                         // attempts that failed or were lost with their worker
+  int setbacks = 0;                         // times that inputs or the own artifact were lost
+  int consumers = 0;                        // tasks that need this one and are not done
+  LeaseId lease;                            // of a leased task
+  std::string staging;                      // of a leased Emit: the folder it writes into
+  std::optional<ArtifactKey> expected_key;  // of a leased Estimate or Merge
+  std::set<WorkerId> failed_on;
+  std::vector<TaskId> watchers;          // blocked tasks that look again when this one is done
+  std::optional<ArtifactInfo> artifact;  // what it made last; names what to look for in the directory
+  std::string last_error;
+};
+
+// Most urgent first: what ends a frame (Prepare, Emit, Commit, Manifest, Cleanup), then earlier frames, and within a
+// frame later stages.
+struct ByUrgency {
+  bool operator()(const TaskId& a, const TaskId& b) const;
+};
+
+// True when policy sees no difference between two tasks of a job: the same frame and kind. Locality may choose.
+[[nodiscard]] bool EquallyUrgent(const TaskId& a, const TaskId& b);
+
+// The tasks of the open GOPs of one job, with an index of the ready ones.
+class TaskTable {
+ public:
+  Task& Add(const TaskId& id);
+  // Null when the task's GOP is not open.
+  [[nodiscard]] Task* Find(const TaskId& id);
+  [[nodiscard]] const Task* Find(const TaskId& id) const;
+  void Remove(const TaskId& id);
+  void Clear();
+
+  void SetState(const TaskId& id, TaskState state);
+  [[nodiscard]] const std::set<TaskId, ByUrgency>& ready() const { return ready_; }
+  [[nodiscard]] const std::map<TaskId, Task>& tasks() const { return tasks_; }
+  [[nodiscard]] std::size_t size() const { return tasks_.size(); }
+
+ private:
+  std::map<TaskId, Task> tasks_;
+  std::set<TaskId, ByUrgency> ready_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_TASK_TABLE_H_

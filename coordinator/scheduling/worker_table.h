@@ -1,0 +1,69 @@
+#ifndef DEPTHFARM_COORDINATOR_SCHEDULING_WORKER_TABLE_H_
+#define DEPTHFARM_COORDINATOR_SCHEDULING_WORKER_TABLE_H_
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "coordinator/scheduling/events.h"
+
+namespace depthfarm {
+
+// A worker that joined and was heard of within a lease.
+struct Worker {
+  WorkerId id;
+  std::string name;
+  TimePoint last_heard;
+  struct Ask {
+    std::uint64_t id = 0;
+    TimePoint received;
+  };
+  std::optional<Ask> ask;      // the newest, until it is granted
+  std::set<LeaseId> leases;    // with those that were revoked and did not end yet
+  std::set<JobId> known_jobs;  // whose JobConfig it has
+  std::uint64_t tasks_done = 0;
+};
+
+// One task in the hands of one worker.
+struct Lease {
+  TaskId task;
+  WorkerId worker;
+  TimePoint expires;
+  std::vector<std::pair<ArtifactKey, std::vector<WorkerId>>> told;  // where the worker was told to find its inputs
+  bool revoked = false;  // its result is not wanted; it counts until the worker is known to have stopped
+};
+
+// Workers and their leases, kept consistent with each other.
+class WorkerTable {
+ public:
+  // Adds the worker or renews its name; its asks and known jobs are forgotten, its leases are not.
+  Worker& Join(WorkerId id, const std::string& name, TimePoint now);
+  // Null when it never joined or is out.
+  [[nodiscard]] Worker* Find(WorkerId id);
+  [[nodiscard]] const Worker* Find(WorkerId id) const;
+  // Its leases must have ended.
+  void Remove(WorkerId id);
+
+  Lease& AddLease(LeaseId id, const TaskId& task, WorkerId worker, TimePoint expires);
+  [[nodiscard]] Lease* FindLease(LeaseId id);
+  void EndLease(LeaseId id);
+
+  // True if a task can be granted to it: it asked less than `max_age` ago and all its leases are revoked ones.
+  [[nodiscard]] bool IsFree(const Worker& worker, TimePoint now, Milliseconds max_age) const;
+
+  [[nodiscard]] std::map<WorkerId, Worker>& workers() { return workers_; }
+  [[nodiscard]] const std::map<WorkerId, Worker>& workers() const { return workers_; }
+  [[nodiscard]] const std::map<LeaseId, Lease>& leases() const { return leases_; }
+
+ private:
+  std::map<WorkerId, Worker> workers_;
+  std::map<LeaseId, Lease> leases_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SCHEDULING_WORKER_TABLE_H_

@@ -1,0 +1,459 @@
+#include "coordinator/service/coordinator.h"
+
+#include <array>
+#include <optional>
+#include <random>
+#include <utility>
+#include <variant>
+
+#include "common/log/log.h"
+#include "common/transport/endpoint.h"
+#include "common/transport/farm_keys.h"
+#include "common/wire/bounds.h"
+#include "common/wire/job_wire.h"
+#include "common/wire/task_wire.h"
+#include "coordinator/service/status_wire.h"
+#include "coordinator/service/submission.h"
+
+namespace depthfarm {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kTick{50};
+constexpr int kMessagesPerTick = 1000;  // a flood must not keep leases from expiring
+constexpr int kMaxVersionText = 100;
+
+SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint64_t first_lease) {
+  SchedulerOptions scheduler;
+  scheduler.lease = options.lease;
+  scheduler.cleanup_grace = 5 * options.lease;
+  scheduler.max_attempts = options.max_attempts;
+  scheduler.max_setbacks = 4 * options.max_attempts;
+  scheduler.first_lease = first_lease;
+  return scheduler;
+}
+
+bool IsFromWorker(const v1::Envelope& envelope) {
+  switch (envelope.body_case()) {
+    case v1::Envelope::kWorkerHello:
+    case v1::Envelope::kAskForTask:
+    case v1::Envelope::kHeartbeat:
+    case v1::Envelope::kTaskFinished:
+    case v1::Envelope::kArtifactsDropped:
+    case v1::Envelope::kWorkerGoodbye:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// Whether a user may send the message. Without CURVE there are no users: the socket's folder or machine is the guard.
+Status CheckRole(const std::string& user_id, bool has_keys, const v1::Envelope& envelope) {
+  if (!has_keys) return {};
+  DEPTHFARM_ASSIGN_OR_RETURN(const Role role, RoleOfUser(user_id));
+  const bool stops = envelope.body_case() == v1::Envelope::kStopCoordinator;
+  bool allowed = role == Role::kAdmin || (role == Role::kSubmit && !stops);
+  if (IsFromWorker(envelope)) allowed = role == Role::kWork;
+  if (allowed) return {};
+  return InvalidArgument("a key of role " + std::string(RoleName(role)) + " may not send " + BodyName(envelope));
+}
+
+std::vector<LeaseId> LeasesFromProto(const google::protobuf::RepeatedField<std::uint64_t>& ids) {
+  std::vector<LeaseId> leases;
+  for (const std::uint64_t id : ids) leases.emplace_back(id);
+  return leases;
+}
+
+std::vector<ArtifactKey> KeysFromProto(const google::protobuf::RepeatedPtrField<std::string>& keys) {
+  std::vector<ArtifactKey> parsed;
+  for (const std::string& key : keys) {
+    const auto digest = DigestFromBytes("key", key);
+    if (digest.ok()) parsed.push_back(*digest);
+  }
+  return parsed;
+}
+
+Result<TaskFinished> ResultFromProto(WorkerId worker, const TaskId& task, const v1::TaskFinished& message) {
+  TaskFinished result{worker, LeaseId(message.lease_id()), task, {}, {}, {}, FromProto(message.stats())};
+  if (message.has_artifact()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(result.artifact, FromProto(message.artifact()));
+    if (!message.output_key().empty() && message.output_key() != message.artifact().key()) {
+      return InvalidArgument("output key and key of the artifact differ");
+    }
+  }
+  for (const v1::OutputFile& file : message.files()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(OutputFile parsed, FromProto(file));
+    result.files.push_back(std::move(parsed));
+  }
+  if (!message.picture_digest().empty()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(result.picture_digest, DigestFromBytes("picture digest", message.picture_digest()));
+  }
+  return result;
+}
+
+}  // namespace
+
+Status CoordinatorOptions::Validate() const {
+  if (heartbeat < milliseconds(10) || heartbeat > milliseconds(60'000)) {
+    return InvalidArgument("heartbeat is " + std::to_string(heartbeat.count()) + " ms, expected 10 to 60000");
+  }
+  if (lease < 3 * heartbeat || lease > std::chrono::hours(1)) {
+    return InvalidArgument("lease is " + std::to_string(lease.count()) + " ms, expected at least 3 heartbeats (" +
+                           std::to_string(3 * heartbeat.count()) + " ms) and at most an hour");
+  }
+  if (max_attempts < 1 || max_attempts > 100) {
+    return InvalidArgument("max-attempts is " + std::to_string(max_attempts) + ", expected 1 to 100");
+  }
+  return {};
+}
+
+Coordinator::Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease)
+    : options_(options), scheduler_(SchedulerOptionsOf(options, first_lease)), history_(options.kept_jobs) {}
+
+Result<std::unique_ptr<Coordinator>> Coordinator::Create(const CoordinatorOptions& options) {
+  DEPTHFARM_RETURN_IF_ERROR(options.Validate());
+  DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint endpoint, ParseEndpoint(options.endpoint));
+  DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(endpoint, !options.keys_dir.empty(), options.insecure));
+  // Leases of an earlier coordinator may still be named by its workers: begin far from them.
+  const std::uint64_t first_lease = (std::uint64_t{std::random_device{}() & 0x7fffffffU} << 24U) + 1;
+  std::unique_ptr<Coordinator> coordinator(new Coordinator(options, first_lease));
+  ServerOptions server;
+  if (!options.keys_dir.empty()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(CoordinatorKeys keys, ReadCoordinatorKeys(options.keys_dir));
+    DEPTHFARM_RETURN_IF_ERROR(coordinator->context_.Authenticate(std::move(keys.allowed)));
+    server.curve_secret_key = keys.own.secret_key;
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(coordinator->channel_,
+                             ServerChannel::Bind(coordinator->context_, options.endpoint, server));
+  return coordinator;
+}
+
+void Coordinator::Stop() {
+  stop_.store(true);
+  poller_.Wake();
+}
+
+Status Coordinator::Run() {
+  LogInfo("coordinator_started", {{"endpoint", endpoint()}, {"secure", !options_.keys_dir.empty()}});
+  const std::array<const Channel*, 1> channels = {channel_.get()};
+  while (!stop_.load()) {
+    DEPTHFARM_RETURN_IF_ERROR(poller_.Wait(channels, kTick));
+    for (int i = 0; i < kMessagesPerTick && !stop_.load(); ++i) {
+      DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<PeerMessage> message, channel_->Receive());
+      if (!message) break;
+      now_ = std::chrono::steady_clock::now();
+      HandleMessage(*message);
+    }
+    now_ = std::chrono::steady_clock::now();
+    CarryOut(scheduler_.Tick(now_));
+  }
+  v1::Envelope stop;
+  stop.mutable_stop_worker();
+  for (const auto& [id, session] : workers_.all()) Send(session.peer, stop);
+  LogInfo("coordinator_stopped", {{"workers", workers_.all().size()}, {"jobs", jobs_.size()}});
+  return {};
+}
+
+void Coordinator::HandleMessage(const PeerMessage& message) {
+  const Result<v1::Envelope> envelope = ParseEnvelope(message.payload);
+  if (!envelope.ok()) {
+    Refuse(message, 0, envelope.status());
+    return;
+  }
+  const Status allowed = CheckRole(message.user_id, !options_.keys_dir.empty(), *envelope);
+  if (!allowed.ok()) {
+    Refuse(message, envelope->request_id(), allowed);
+  } else if (IsFromWorker(*envelope)) {
+    HandleFromWorker(message, *envelope);
+  } else {
+    HandleFromClient(message, *envelope);
+  }
+}
+
+void Coordinator::HandleFromWorker(const PeerMessage& message, const v1::Envelope& envelope) {
+  if (envelope.has_worker_hello()) {
+    HandleHello(message, envelope.worker_hello());
+    return;
+  }
+  const WorkerSession* session = workers_.FindPeer(message.peer);
+  if (session == nullptr || session->user_id != message.user_id) {
+    Refuse(message, envelope.request_id(), Unavailable("the coordinator does not know this worker: say hello"));
+    return;
+  }
+  const WorkerId worker = session->id;
+  switch (envelope.body_case()) {
+    case v1::Envelope::kAskForTask:
+      Dispatch(WorkerAsked{worker, envelope.ask_for_task().ask_id()});
+      break;
+    case v1::Envelope::kHeartbeat:
+      Dispatch(WorkerHeard{worker, envelope.heartbeat().heartbeat_id(),
+                           LeasesFromProto(envelope.heartbeat().running_leases())});
+      break;
+    case v1::Envelope::kTaskFinished:
+      HandleTaskFinished(worker, envelope.task_finished());
+      break;
+    case v1::Envelope::kArtifactsDropped:
+      Dispatch(ArtifactsDropped{worker, KeysFromProto(envelope.artifacts_dropped().keys())});
+      break;
+    default:  // WorkerGoodbye
+      Dispatch(WorkerLeft{worker});
+      workers_.Remove(worker);
+      break;
+  }
+}
+
+void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello& hello) {
+  const auto check = [&]() -> Result<WorkerSession> {
+    if (hello.algorithm_version() != kAlgorithmVersion) {
+      return Status(ErrorCode::kIncompatible, "the worker has algorithm version " +
+                                                  std::to_string(hello.algorithm_version()) + ", this farm has " +
+                                                  std::to_string(kAlgorithmVersion));
+    }
+    DEPTHFARM_RETURN_IF_ERROR(CheckText("worker name", hello.name(), kMaxNameBytes));
+    if (hello.name().empty()) return InvalidArgument("worker name is empty");
+    DEPTHFARM_RETURN_IF_ERROR(CheckText("software version", hello.software_version(), kMaxVersionText));
+    DEPTHFARM_RETURN_IF_ERROR(ParseEndpoint(hello.artifact_endpoint()).status().WithContext("artifact server"));
+    if (!hello.artifact_public_key().empty() && !IsCurveKey(hello.artifact_public_key())) {
+      return InvalidArgument("the artifact server's key is no CURVE key");
+    }
+    return WorkerSession{WorkerId(),
+                         message.peer,
+                         message.user_id,
+                         hello.name(),
+                         hello.software_version(),
+                         {hello.artifact_endpoint(), hello.artifact_public_key()}};
+  };
+  Result<WorkerSession> session = check();
+  if (!session.ok()) {
+    Refuse(message, 0, session.status());
+    return;
+  }
+  const WorkerSession* before = workers_.FindPeer(message.peer);
+  if (before != nullptr && before->name != hello.name()) Dispatch(WorkerLeft{before->id});
+  const Result<WorkerId> id = workers_.Join(std::move(session).value());
+  if (!id.ok()) {
+    Refuse(message, 0, id.status());
+    return;
+  }
+  WorkerJoined event{*id, hello.name(), {}, LeasesFromProto(hello.running_leases())};
+  for (const v1::ArtifactInfo& artifact : hello.artifacts()) {
+    const Result<ArtifactInfo> parsed = FromProto(artifact);
+    if (parsed.ok()) event.artifacts.push_back(*parsed);
+  }
+  v1::Envelope welcome;
+  welcome.mutable_worker_welcome()->set_worker_id(id->value());
+  welcome.mutable_worker_welcome()->set_heartbeat_ms(static_cast<std::uint32_t>(options_.heartbeat.count()));
+  welcome.mutable_worker_welcome()->set_lease_ms(static_cast<std::uint32_t>(options_.lease.count()));
+  Send(message.peer, welcome);
+  Dispatch(event);
+}
+
+void Coordinator::HandleTaskFinished(WorkerId worker, const v1::TaskFinished& message) {
+  const Result<TaskId> task = FromProto(message.task());
+  if (!task.ok()) {
+    LogWarning("message_refused", {{"worker", worker.value()}, {"reason", task.status().message()}});
+    return;  // the lease runs out
+  }
+  const LeaseId lease(message.lease_id());
+  const Status error = FromProto(message.error());
+  if (!error.ok()) {
+    Dispatch(TaskFailed{worker, lease, *task, error, KeysFromProto(message.missing_inputs())});
+    return;
+  }
+  Result<TaskFinished> result = ResultFromProto(worker, *task, message);
+  if (result.ok()) {
+    Dispatch(std::move(result).value());
+  } else {
+    Dispatch(TaskFailed{worker, lease, *task, Internal("its result is malformed: " + result.status().message()), {}});
+  }
+}
+
+void Coordinator::HandleFromClient(const PeerMessage& message, const v1::Envelope& envelope) {
+  Result<v1::Envelope> answer = Answer(envelope);
+  if (!answer.ok()) {
+    Refuse(message, envelope.request_id(), answer.status());
+    return;
+  }
+  answer->set_request_id(envelope.request_id());
+  Send(message.peer, *answer);
+}
+
+Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
+  switch (request.body_case()) {
+    case v1::Envelope::kSubmitJob:
+      return Submit(request.submit_job());
+    case v1::Envelope::kListJobs:
+      return ListJobs();
+    case v1::Envelope::kGetJobStatus:
+      return StatusOf(JobId(request.get_job_status().job_id()));
+    case v1::Envelope::kCancelJob:
+      return Cancel(JobId(request.cancel_job().job_id()));
+    case v1::Envelope::kListWorkers:
+      return ListWorkers();
+    case v1::Envelope::kStopCoordinator: {
+      v1::Envelope answer;
+      answer.mutable_done();
+      stop_.store(true);
+      return answer;
+    }
+    default:
+      return InvalidArgument("a coordinator does not take " + BodyName(request));
+  }
+}
+
+Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
+  const JobId id(last_job_ + 1);
+  DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob job, PlanSubmission(request, id));
+  if (const std::optional<JobId> other = scheduler_.JobWritingTo(job.config.output_dir)) {
+    return InvalidArgument("job " + std::to_string(other->value()) + " writes to " + job.config.output_dir +
+                           ": wait for it, cancel it, or choose another folder");
+  }
+  ++last_job_;
+  jobs_[id] = {ToProto(job.config), Summary(job.config.resolved)};
+  Dispatch(JobSubmitted{std::move(job), request.name(), request.priority()});
+  v1::Envelope answer;
+  answer.mutable_job_accepted()->set_job_id(id.value());
+  return answer;
+}
+
+Result<v1::Envelope> Coordinator::StatusOf(JobId id) const {
+  v1::Envelope answer;
+  if (const std::optional<JobSnapshot> job = scheduler_.Job(id)) {
+    *answer.mutable_job_status() = StatusToProto(*job, jobs_.at(id).summary, now_);
+    return answer;
+  }
+  if (const JobSnapshot* job = history_.Find(id)) {
+    *answer.mutable_job_status() = StatusToProto(*job, summaries_.at(id), now_);
+    return answer;
+  }
+  return InvalidArgument("there is no job " + std::to_string(id.value()));
+}
+
+Result<v1::Envelope> Coordinator::Cancel(JobId id) {
+  if (!scheduler_.Job(id)) {
+    const bool ended = history_.Find(id) != nullptr;
+    return InvalidArgument((ended ? "job " : "there is no job ") + std::to_string(id.value()) +
+                           (ended ? " has ended" : ""));
+  }
+  Dispatch(JobCancelled{id});
+  v1::Envelope answer;
+  answer.mutable_done();
+  return answer;
+}
+
+v1::Envelope Coordinator::ListJobs() const {
+  v1::Envelope answer;
+  v1::JobList* list = answer.mutable_job_list();
+  for (const auto& [id, job] : history_.jobs()) *list->add_jobs() = StatusToProto(job, summaries_.at(id), now_);
+  for (const JobSnapshot& job : scheduler_.Jobs())
+    *list->add_jobs() = StatusToProto(job, jobs_.at(job.id).summary, now_);
+  return answer;
+}
+
+v1::Envelope Coordinator::ListWorkers() const {
+  v1::Envelope answer;
+  for (const WorkerSnapshot& worker : scheduler_.Workers()) {
+    *answer.mutable_worker_list()->add_workers() = StatusToProto(worker, workers_.Find(worker.id), now_);
+  }
+  answer.mutable_worker_list();
+  return answer;
+}
+
+void Coordinator::Dispatch(const Event& event) { CarryOut(scheduler_.Handle(event, now_)); }
+
+void Coordinator::CarryOut(const std::vector<Action>& actions) {
+  for (const Action& action : actions) std::visit([this](const auto& typed) { Do(typed); }, action);
+}
+
+void Coordinator::Do(const Grant& action) {
+  v1::Envelope envelope;
+  v1::GrantTask* grant = envelope.mutable_grant_task();
+  grant->set_lease_id(action.lease.value());
+  grant->set_ask_id(action.ask_id);
+  grant->set_attempt(static_cast<std::uint32_t>(action.attempt));
+  TaskSpec spec = action.task.spec;
+  for (std::size_t i = 0; i < spec.inputs.size(); ++i) {
+    for (const WorkerId holder : action.task.holders[i]) {
+      if (const WorkerSession* session = workers_.Find(holder)) spec.inputs[i].locations.push_back(session->artifacts);
+    }
+  }
+  *grant->mutable_task() = ToProto(spec);
+  if (action.first_of_job) *grant->mutable_job() = jobs_.at(spec.id.job).config;
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const AcknowledgeHeartbeat& action) {
+  v1::Envelope envelope;
+  v1::HeartbeatAck* ack = envelope.mutable_heartbeat_ack();
+  ack->set_heartbeat_id(action.heartbeat_id);
+  for (const LeaseId lease : action.unknown) ack->add_unknown_leases(lease.value());
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const Revoke& action) {
+  v1::Envelope envelope;
+  envelope.mutable_revoke_lease()->set_lease_id(action.lease.value());
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const Release& action) {
+  v1::Envelope envelope;
+  for (const ArtifactKey& key : action.keys) envelope.mutable_release_artifacts()->add_keys(DigestBytes(key));
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const ForgetJob& action) {
+  v1::Envelope envelope;
+  envelope.mutable_job_ended()->set_job_id(action.job.value());
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const JobEnded& action) {
+  const JobSnapshot& job = action.job;
+  const char* state = job.state == JobState::kDone ? "done" : job.state == JobState::kFailed ? "failed" : "cancelled";
+  LogInfo("job_ended",
+          {{"job", job.id.value()}, {"state", state}, {"frames", job.frames_done}, {"retries", job.retries}});
+  history_.Add(job);
+  summaries_[job.id] = jobs_.at(job.id).summary;
+  std::erase_if(summaries_, [this](const auto& entry) { return history_.Find(entry.first) == nullptr; });
+  jobs_.erase(job.id);
+}
+
+void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }
+
+void Coordinator::Do(const Note& action) {
+  std::vector<LogField> fields;
+  for (const auto& [key, value] : action.fields) fields.emplace_back(key, value);
+  switch (action.severity) {
+    case Note::Severity::kInfo:
+      Log(LogLevel::kInfo, action.event, fields);
+      break;
+    case Note::Severity::kWarning:
+      Log(LogLevel::kWarning, action.event, fields);
+      break;
+    case Note::Severity::kError:
+      Log(LogLevel::kError, action.event, fields);
+      break;
+  }
+}
+
+void Coordinator::Send(const std::string& peer, const v1::Envelope& envelope) {
+  const Status sent = channel_->Send(peer, SerializeEnvelope(envelope));
+  // Leases and requests time out; whoever is gone says hello or asks again.
+  if (!sent.ok()) LogDebug("message_not_sent", {{"message", BodyName(envelope)}, {"reason", sent.message()}});
+}
+
+void Coordinator::SendTo(WorkerId worker, const v1::Envelope& envelope) {
+  if (const WorkerSession* session = workers_.Find(worker)) Send(session->peer, envelope);
+}
+
+void Coordinator::Refuse(const PeerMessage& message, std::uint64_t request_id, const Status& reason) {
+  LogDebug("message_refused", {{"user", message.user_id}, {"reason", reason.message()}});
+  v1::Envelope envelope;
+  envelope.set_request_id(request_id);
+  *envelope.mutable_error() = ToProto(reason);
+  Send(message.peer, envelope);
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,101 @@
+#ifndef DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_H_
+#define DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_H_
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/transport/context.h"
+#include "common/transport/poller.h"
+#include "common/transport/server_channel.h"
+#include "common/wire/envelope.h"
+#include "coordinator/scheduling/scheduler.h"
+#include "coordinator/service/job_history.h"
+#include "coordinator/service/worker_sessions.h"
+
+namespace depthfarm {
+
+struct CoordinatorOptions {
+  std::string endpoint = "tcp://127.0.0.1:7700";
+  std::string keys_dir = {};  // empty: no CURVE (ipc, or `insecure` on loopback)
+  bool insecure = false;
+  std::chrono::milliseconds heartbeat{1000};
+  std::chrono::milliseconds lease{6000};
+  int max_attempts = 4;          // of one task
+  std::size_t kept_jobs = 1000;  // that ended, for status
+
+  // kInvalidArgument: heartbeat 10..60000 ms, lease at least 3 heartbeats and at most 1 h, attempts 1..100.
+  [[nodiscard]] Status Validate() const;
+};
+
+// The daemon: one socket, one thread, the scheduler. Carries out what the scheduler decides and answers clients.
+// The rules of the wire: proto/PROTOCOL.md.
+class Coordinator {
+ public:
+  // Reads keys and binds. Errors: kInvalidArgument (options, keys, security), kUnavailable (address in use).
+  [[nodiscard]] static Result<std::unique_ptr<Coordinator>> Create(const CoordinatorOptions& options);
+
+  // Where it listens in fact.
+  [[nodiscard]] const std::string& endpoint() const { return channel_->endpoint(); }
+  // Serves until Stop or a client's StopCoordinator; then tells the workers to stop.
+  [[nodiscard]] Status Run();
+  // Ends Run soon. From any thread, and from signal handlers.
+  void Stop();
+
+ private:
+  Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease);
+
+  void HandleMessage(const PeerMessage& message);
+  void HandleFromWorker(const PeerMessage& message, const v1::Envelope& envelope);
+  void HandleFromClient(const PeerMessage& message, const v1::Envelope& envelope);
+  void HandleHello(const PeerMessage& message, const v1::WorkerHello& hello);
+  void HandleTaskFinished(WorkerId worker, const v1::TaskFinished& message);
+  [[nodiscard]] Result<v1::Envelope> Answer(const v1::Envelope& request);
+  [[nodiscard]] Result<v1::Envelope> Submit(const v1::SubmitJob& request);
+  [[nodiscard]] Result<v1::Envelope> StatusOf(JobId id) const;
+  [[nodiscard]] Result<v1::Envelope> Cancel(JobId id);
+  [[nodiscard]] v1::Envelope ListJobs() const;
+  [[nodiscard]] v1::Envelope ListWorkers() const;
+
+  void Dispatch(const Event& event);
+  void CarryOut(const std::vector<Action>& actions);
+  void Do(const Grant& action);
+  void Do(const AcknowledgeHeartbeat& action);
+  void Do(const Revoke& action);
+  void Do(const Release& action);
+  void Do(const ForgetJob& action);
+  void Do(const JobEnded& action);
+  void Do(const WorkerLost& action);
+  void Do(const Note& action);
+
+  void Send(const std::string& peer, const v1::Envelope& envelope);
+  void SendTo(WorkerId worker, const v1::Envelope& envelope);
+  void Refuse(const PeerMessage& message, std::uint64_t request_id, const Status& reason);
+
+  const CoordinatorOptions options_;
+  TransportContext context_;
+  std::unique_ptr<ServerChannel> channel_;
+  Poller poller_;
+  std::atomic<bool> stop_{false};
+  TimePoint now_;  // of the message being handled
+
+  Scheduler scheduler_;
+  WorkerSessions workers_;
+  struct KnownJob {
+    v1::JobConfig config;  // as it is sent with first grants
+    std::string summary;
+  };
+  std::map<JobId, KnownJob> jobs_;
+  JobHistory history_;
+  std::map<JobId, std::string> summaries_;  // of jobs in the history
+  std::uint64_t last_job_ = 0;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_H_

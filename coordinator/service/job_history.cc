@@ -1,0 +1,15 @@
+#include "coordinator/service/job_history.h"
+
+namespace depthfarm {
+
+void JobHistory::Add(const JobSnapshot& job) {
+  jobs_[job.id] = job;
+  while (jobs_.size() > max_jobs_) jobs_.erase(jobs_.begin());
+}
+
+const JobSnapshot* JobHistory::Find(JobId id) const {
+  const auto job = jobs_.find(id);
+  return job == jobs_.end() ? nullptr : &job->second;
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,79 @@
+#include "coordinator/service/status_wire.h"
+
+#include <chrono>
+
+#include "common/wire/task_wire.h"
+
+namespace depthfarm {
+namespace {
+
+double Seconds(TimePoint::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+v1::JobState StateToProto(JobState state) {
+  switch (state) {
+    case JobState::kRunning:
+      return v1::JOB_STATE_RUNNING;
+    case JobState::kDone:
+      return v1::JOB_STATE_DONE;
+    case JobState::kFailed:
+      return v1::JOB_STATE_FAILED;
+    case JobState::kCancelled:
+      return v1::JOB_STATE_CANCELLED;
+  }
+  return v1::JOB_STATE_UNSPECIFIED;
+}
+
+// "frame 3 merge round 0 pair 1": the reader knows the job.
+std::string NameWithinJob(const TaskId& task) {
+  const std::string prefix = "job " + std::to_string(task.job.value()) + " ";
+  return TaskName(task).substr(prefix.size());
+}
+
+}  // namespace
+
+v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, TimePoint now) {
+  v1::JobStatus status;
+  status.set_job_id(job.id.value());
+  status.set_name(job.name);
+  status.set_state(StateToProto(job.state));
+  *status.mutable_error() = ToProto(job.error);
+  status.set_frames_done(static_cast<std::uint32_t>(job.frames_done));
+  status.set_frames_total(static_cast<std::uint32_t>(job.frames_total));
+  for (int kind = 0; kind < kNumTaskKinds; ++kind) {
+    const StageSnapshot& stage = job.stages[static_cast<std::size_t>(kind)];
+    if (stage.tasks_total == 0) continue;
+    v1::StageStatus* added = status.add_stages();
+    added->set_kind(ToProto(static_cast<TaskKind>(kind)));
+    added->set_tasks_done(stage.tasks_done);
+    added->set_tasks_total(stage.tasks_total);
+    added->set_cpu_seconds(stage.cpu_seconds);
+    added->set_wall_seconds(stage.wall_seconds);
+    added->set_peak_memory_bytes(stage.peak_memory_bytes);
+    added->set_fetched_bytes(stage.fetched_bytes);
+    added->set_sweeps(stage.sweeps);
+    added->set_reused(stage.reused);
+  }
+  status.set_elapsed_seconds(Seconds((job.state == JobState::kRunning ? now : job.ended) - job.submitted));
+  status.set_retries(job.retries);
+  for (const RunningTask& task : job.running) status.add_running(NameWithinJob(task.task) + " on " + task.worker_name);
+  status.set_output_dir(job.output_dir);
+  status.set_summary(summary);
+  status.set_determinism_violations(job.determinism_violations);
+  status.set_priority(job.priority);
+  return status;
+}
+
+v1::WorkerStatus StatusToProto(const WorkerSnapshot& worker, const WorkerSession* session, TimePoint now) {
+  v1::WorkerStatus status;
+  status.set_worker_id(worker.id.value());
+  status.set_name(worker.name);
+  if (session != nullptr) status.set_software_version(session->software_version);
+  if (!worker.running.empty()) status.set_running(TaskName(worker.running.back()));
+  status.set_seconds_since_heard(Seconds(now - worker.last_heard));
+  status.set_tasks_done(worker.tasks_done);
+  status.set_artifacts(worker.artifacts);
+  status.set_artifact_bytes(worker.artifact_bytes);
+  return status;
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,76 @@
+#include "coordinator/service/submission.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "common/wire/bounds.h"
+#include "common/wire/job_wire.h"
+#include "common/wire/sequence_wire.h"
+
+namespace depthfarm {
+namespace {
+
+Result<std::string> OutputFolder(const std::string& asked) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("output folder", asked));
+  // One spelling per folder: two jobs must not share one.
+  std::filesystem::path folder = std::filesystem::path(asked).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  if (folder == folder.root_path())
+    return InvalidArgument("output folder is '" + asked + "', expected one below the root");
+  return folder.string();
+}
+
+std::vector<std::vector<std::string>> PicturesOf(const Sequence& sequence, const ResolvedJob& job) {
+  std::vector<std::vector<std::string>> pictures;
+  for (const JobView& view : job.views) {
+    const auto camera =
+        std::find_if(sequence.cameras.begin(), sequence.cameras.end(),
+                     [&](const SequenceCamera& candidate) { return candidate.camera.name == view.camera.name; });
+    const auto first = camera->images.begin() + job.params.first_frame;
+    pictures.emplace_back(first, first + job.num_frames);
+  }
+  return pictures;
+}
+
+std::string WithThousands(std::int64_t number) {
+  std::string text = std::to_string(number);
+  for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, ",");
+  return text;
+}
+
+}  // namespace
+
+Result<PlannedJob> PlanSubmission(const v1::SubmitJob& request, JobId id) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const Sequence sequence, FromProto(request.sequence()));
+  DEPTHFARM_ASSIGN_OR_RETURN(const EstimationParams params, FromProto(request.params()));
+  DEPTHFARM_RETURN_IF_ERROR(CheckText("job name", request.name(), kMaxNameBytes));
+  PlannedJob job;
+  DEPTHFARM_ASSIGN_OR_RETURN(job.config.output_dir, OutputFolder(request.output_dir()));
+  DEPTHFARM_ASSIGN_OR_RETURN(job.config.resolved, ResolveJob(sequence, params));
+  DEPTHFARM_RETURN_IF_ERROR(CheckPlannable(job.config.resolved));
+  job.config.job = id;
+  job.config.sequence_name = sequence.name;
+  job.config.sequence_file = sequence.file;
+  job.pictures = PicturesOf(sequence, job.config.resolved);
+  return job;
+}
+
+std::string Summary(const ResolvedJob& job) {
+  const Camera& first = job.views[0].camera;
+  const bool same_size = std::all_of(job.views.begin(), job.views.end(), [&](const JobView& view) {
+    return view.camera.width == first.width && view.camera.height == first.height;
+  });
+  std::int64_t segments = 0;
+  for (const JobView& view : job.views) segments += view.segments;
+  std::string text = std::to_string(job.num_views()) + " views ";
+  text += same_size ? std::to_string(first.width) + "x" + std::to_string(first.height) : "of several sizes";
+  text += ", " + WithThousands(segments) + " segments, " + std::to_string(job.params.levels) + " levels, n = ";
+  text += std::to_string(job.level_blocks_i);
+  if (job.level_blocks_i > 1) text += job.params.partition == Partition::kInterleaved ? " interleaved" : " blocks";
+  return text;
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,118 @@
+#include "common/transport/keys.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+
+#include "common/transport/farm_keys.h"
+#include "tests/common/transport/scratch_folder.h"
+
+namespace depthfarm {
+namespace {
+
+TEST(CurveKeys, GeneratedOnesAreKeysAndDiffer) {
+  const Result<CurveKeys> first = GenerateCurveKeys();
+  const Result<CurveKeys> second = GenerateCurveKeys();
+  ASSERT_TRUE(first.ok() && second.ok());
+  EXPECT_TRUE(IsCurveKey(first->public_key) && IsCurveKey(first->secret_key));
+  EXPECT_NE(first->secret_key, second->secret_key);
+}
+
+TEST(CurveKeys, OtherTextIsNoKey) {
+  EXPECT_FALSE(IsCurveKey(""));
+  EXPECT_FALSE(IsCurveKey(std::string(39, 'a')));
+  EXPECT_FALSE(IsCurveKey(std::string(40, '~')));
+}
+
+TEST(KeyFiles, ASecretComesBackAndIsClosedToOthers) {
+  const ScratchFolder folder;
+  const std::string secret = GenerateCurveKeys()->secret_key;
+  ASSERT_TRUE(WriteSecretKey(folder.path() / "a.key", secret).ok());
+  struct stat info {};
+  ASSERT_EQ(::stat((folder.path() / "a.key").c_str(), &info), 0);
+  EXPECT_EQ(info.st_mode & 0777, 0600U);
+  const Result<std::string> read = ReadSecretKey(folder.path() / "a.key");
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(*read, secret);
+}
+
+TEST(KeyFiles, ASecretOpenToGroupOrOthersIsRefused) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "a.key";
+  ASSERT_TRUE(WriteSecretKey(file, GenerateCurveKeys()->secret_key).ok());
+  for (const mode_t mode : {0640, 0604, 0620, 0602}) {
+    ASSERT_EQ(::chmod(file.c_str(), mode), 0);
+    const Result<std::string> read = ReadSecretKey(file);
+    EXPECT_EQ(read.status().code(), ErrorCode::kInvalidArgument);
+    EXPECT_NE(read.status().message().find("chmod 600"), std::string::npos);
+  }
+}
+
+TEST(KeyFiles, AreNeverReplaced) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(WritePublicKey(folder.path() / "a.pub", GenerateCurveKeys()->public_key).ok());
+  EXPECT_EQ(WritePublicKey(folder.path() / "a.pub", GenerateCurveKeys()->public_key).code(),
+            ErrorCode::kInvalidArgument);
+}
+
+TEST(KeyFiles, RubbishIsRefused) {
+  const ScratchFolder folder;
+  std::ofstream(folder.path() / "a.pub") << "not a key\n";
+  EXPECT_EQ(ReadPublicKey(folder.path() / "a.pub").status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(ReadPublicKey(folder.path() / "absent").status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(ReadSecretKey(folder.path()).status().code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(FarmKeys, CreatedOnesServeAllThreePrograms) {
+  const ScratchFolder folder;
+  const auto dir = folder.path() / "keys";
+  ASSERT_TRUE(CreateFarmKeys(dir).ok());
+  const Result<CoordinatorKeys> coordinator = ReadCoordinatorKeys(dir);
+  const Result<WorkerKeys> worker = ReadWorkerKeys(dir);
+  const Result<ClientKeys> client = ReadClientKeys(dir);
+  ASSERT_TRUE(coordinator.ok() && worker.ok() && client.ok());
+  EXPECT_EQ(worker->coordinator_public_key, coordinator->own.public_key);
+  EXPECT_EQ(client->coordinator_public_key, coordinator->own.public_key);
+  EXPECT_EQ(RoleOfUser(coordinator->allowed.at(worker->own.public_key)).value(), Role::kWork);
+  EXPECT_EQ(RoleOfUser(coordinator->allowed.at(client->own.public_key)).value(), Role::kAdmin);
+  EXPECT_EQ(worker->allowed_peers.size(), 1U);
+  EXPECT_TRUE(worker->allowed_peers.contains(worker->own.public_key));
+  EXPECT_EQ(CreateFarmKeys(dir).code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(FarmKeys, AWorkerWithoutTheListTrustsItsOwnKeyAlone) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(CreateFarmKeys(folder.path()).ok());
+  std::filesystem::remove(folder.path() / "authorized");
+  const Result<WorkerKeys> worker = ReadWorkerKeys(folder.path());
+  ASSERT_TRUE(worker.ok());
+  EXPECT_EQ(worker->allowed_peers.size(), 1U);
+}
+
+TEST(Authorized, ErrorsNameTheLine) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "authorized";
+  const std::string key = GenerateCurveKeys()->public_key;
+  const auto message = [&](const std::string& text) {
+    std::ofstream(file) << "# comment\n\n" << text;
+    const Result<AllowedKeys> allowed = ReadAuthorized(file);
+    return allowed.ok() ? "" : allowed.status().message();
+  };
+  EXPECT_NE(message("boss " + key + "\n").find("line 3: role is 'boss'"), std::string::npos);
+  EXPECT_NE(message("work short\n").find("line 3"), std::string::npos);
+  EXPECT_NE(message("work " + key + "\nadmin " + key + "\n").find("line 4: the key is listed twice"),
+            std::string::npos);
+  EXPECT_NE(message("work " + key + " name more\n").find("'more'"), std::string::npos);
+  EXPECT_EQ(message("work " + key + " node7\n"), "");
+}
+
+TEST(RoleOfUser, NeedsARoleAndAName) {
+  EXPECT_EQ(RoleOfUser("submit:anna").value(), Role::kSubmit);
+  EXPECT_FALSE(RoleOfUser("").ok());
+  EXPECT_FALSE(RoleOfUser("work").ok());
+  EXPECT_FALSE(RoleOfUser("worker:x").ok());
+}
+
+}  // namespace
+}  // namespace depthfarm

@@ -1,0 +1,107 @@
+#include "common/wire/task_wire.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace depthfarm {
+namespace {
+
+std::array<std::uint8_t, 32> Digest(std::uint8_t seed) {
+  std::array<std::uint8_t, 32> digest{};
+  for (std::size_t i = 0; i < digest.size(); ++i) digest[i] = static_cast<std::uint8_t>(seed + 7 * i);
+  return digest;
+}
+
+TaskSpec MergeSpec() {
+  TaskSpec spec;
+  spec.id = {JobId(3), 12, TaskKind::kMerge, 1, 2};
+  spec.output_key = Digest(1);
+  spec.inputs.push_back({{Digest(2), 77, Digest(3)}, InputRole::kAnalysis, 4, {{"ipc:///tmp/w", ""}}});
+  spec.inputs.push_back(
+      {{Digest(4), 78, Digest(5)}, InputRole::kLabels, 0, {{"tcp://a:1", std::string(40, 'k')}, {"tcp://b:2", ""}}});
+  return spec;
+}
+
+TaskSpec CommitSpec() {
+  TaskSpec spec;
+  spec.id = {JobId(3), 12, TaskKind::kCommit, 0, 0};
+  spec.staging = "f12-a2-l345";
+  spec.files = {{"cam0/0012.png", Digest(6), 1000}, {"cam1/0012.png", Digest(7), 1001}};
+  return spec;
+}
+
+TEST(TaskSpecWire, EveryFieldComesBack) {
+  TaskSpec analyse;
+  analyse.id = {JobId(3), 12, TaskKind::kAnalyse, 4, 0};
+  analyse.picture = "/data/a b.png";
+  TaskSpec manifest;
+  manifest.id = {JobId(3), 0, TaskKind::kManifest, 0, 0};
+  manifest.files = CommitSpec().files;
+  manifest.picture_digests = {Digest(8), Digest(9)};
+  for (const TaskSpec& sent : {MergeSpec(), CommitSpec(), analyse, manifest}) {
+    const Result<TaskSpec> got = FromProto(ToProto(sent));
+    ASSERT_TRUE(got.ok()) << got.status().message();
+    EXPECT_EQ(*got, sent);
+  }
+}
+
+TEST(TaskSpecWire, EveryRoleAndKindComesBack) {
+  for (int role = 0; role <= static_cast<int>(InputRole::kLabels); ++role) {
+    TaskSpec spec = MergeSpec();
+    spec.inputs[0].role = static_cast<InputRole>(role);
+    EXPECT_EQ(FromProto(ToProto(spec)).value(), spec);
+  }
+  for (int kind = 0; kind <= static_cast<int>(TaskKind::kCleanup); ++kind) {
+    EXPECT_EQ(FromProto(ToProto(static_cast<TaskKind>(kind))).value(), static_cast<TaskKind>(kind));
+  }
+}
+
+TEST(TaskSpecWire, HostileValuesAreRefused) {
+  using Damage = std::function<void(v1::TaskSpec&)>;
+  const auto refused = [](const TaskSpec& spec, const Damage& damage) {
+    v1::TaskSpec proto = ToProto(spec);
+    damage(proto);
+    return FromProto(proto).status().code() == ErrorCode::kInvalidArgument;
+  };
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_id()->clear_kind(); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_id()->set_frame(4'000'000'000U); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_id()->set_pair(70'000); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.clear_output_key(); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.set_output_key("short"); }));
+  EXPECT_TRUE(refused(CommitSpec(), [](auto& s) { s.set_output_key(std::string(32, 'k')); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_inputs(0)->set_key("short"); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_inputs(0)->clear_content_digest(); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_inputs(0)->clear_role(); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_inputs(0)->set_view(1024); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_inputs(0)->set_stored_bytes(~std::uint64_t{0}); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_inputs(0)->mutable_locations(0)->clear_endpoint(); }));
+  EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_inputs(0)->mutable_locations(0)->set_public_key("k"); }));
+  EXPECT_TRUE(refused(CommitSpec(), [](auto& s) { s.set_staging(".."); }));
+  EXPECT_TRUE(refused(CommitSpec(), [](auto& s) { s.clear_staging(); }));
+  for (const char* path :
+       {"", "a.png", "../a.png", "a/../b.png", "/a.png", "a/b/c.png", "a/b.exe", "./a.png", "a/\n.png"}) {
+    EXPECT_TRUE(refused(CommitSpec(), [&](auto& s) { s.mutable_files(0)->set_path(path); })) << path;
+  }
+}
+
+TEST(ArtifactInfoWire, ComesBackAndRefusesEmptyOrHugeOnes) {
+  const ArtifactInfo sent{Digest(1), 500, Digest(2)};
+  EXPECT_EQ(FromProto(ToProto(sent)).value(), sent);
+  EXPECT_FALSE(FromProto(ToProto(ArtifactInfo{Digest(1), 0, Digest(2)})).ok());
+  EXPECT_FALSE(FromProto(ToProto(ArtifactInfo{Digest(1), std::uint64_t{1} << 40, Digest(2)})).ok());
+}
+
+TEST(TaskStatsWire, EveryFieldComesBackAndNonsenseCountsNothing) {
+  const TaskStats sent{1.5, 1.25, 1 << 20, 0.5, 4096, 3, -17, 9, 11, true};
+  EXPECT_EQ(FromProto(ToProto(sent)), sent);
+  v1::TaskStats hostile;
+  hostile.set_wall_seconds(std::numeric_limits<double>::quiet_NaN());
+  hostile.set_cpu_seconds(-std::numeric_limits<double>::infinity());
+  EXPECT_EQ(FromProto(hostile), TaskStats());
+}
+
+}  // namespace
+}  // namespace depthfarm

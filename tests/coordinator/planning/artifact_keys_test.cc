@@ -1,0 +1,77 @@
+#include "coordinator/planning/artifact_keys.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <vector>
+
+#include "tests/coordinator/planned_job.h"
+
+namespace depthfarm {
+namespace {
+
+using Inputs = std::vector<ArtifactKeys::Input>;
+
+Inputs TwoInputs() { return {{InputRole::kAnalysis, ArtifactKey{1}}, {InputRole::kAnalysis, ArtifactKey{2}}}; }
+
+ArtifactKey KeyOf(const JobConfig& config) { return ArtifactKeys(config).Estimate(4, 1, TwoInputs()); }
+
+TEST(ArtifactKeys, WhatReachesTheEnergyChangesTheKey) {
+  using Change = std::function<void(JobConfig&)>;
+  const std::vector<Change> changes = {
+      [](JobConfig& c) { ++c.algorithm_version; },
+      [](JobConfig& c) { ++c.resolved.params.levels; },
+      [](JobConfig& c) { c.resolved.params.z_near *= 1.0000001; },
+      [](JobConfig& c) { c.resolved.params.z_far *= 1.0000001; },
+      [](JobConfig& c) { c.resolved.params.smoothing += 0.5; },
+      [](JobConfig& c) { c.resolved.params.matching_window += 2; },
+      [](JobConfig& c) { c.resolved.params.matching_offset += 1; },
+      [](JobConfig& c) { ++c.resolved.params.p_threshold; },
+      [](JobConfig& c) { ++c.resolved.params.i_threshold; },
+      [](JobConfig& c) { ++c.resolved.params.max_sweeps; },
+      [](JobConfig& c) { c.resolved.params.partition = Partition::kContiguous; },
+      [](JobConfig& c) { c.resolved.reference.cam_from_world_translation[0] = 1; },
+      [](JobConfig& c) { c.resolved.views[1].camera.intrinsics(0, 2) = 3; },
+      [](JobConfig& c) { c.resolved.views[1].camera.width = 17; },
+      [](JobConfig& c) { c.resolved.views[1].neighbours.clear(); },
+  };
+  const JobConfig base = MakePlannedJob({}).config;
+  std::set<ArtifactKey> keys = {KeyOf(base)};
+  for (const Change& change : changes) {
+    JobConfig changed = base;
+    change(changed);
+    keys.insert(KeyOf(changed));
+  }
+  EXPECT_EQ(keys.size(), changes.size() + 1);
+}
+
+TEST(ArtifactKeys, WhatDoesNotReachTheEnergyDoesNot) {
+  const JobConfig base = MakePlannedJob({}).config;
+  JobConfig other = MakePlannedJob({.id = 9, .frames = 8, .gop = 4}).config;
+  other.sequence_name = "other";
+  other.output_dir = "/elsewhere";
+  EXPECT_EQ(KeyOf(base), KeyOf(other));
+}
+
+TEST(ArtifactKeys, TaskAndInputsChangeTheKey) {
+  const ArtifactKeys keys(MakePlannedJob({}).config);
+  Inputs swapped = {TwoInputs()[1], TwoInputs()[0]};
+  Inputs other_role = TwoInputs();
+  other_role[1].role = InputRole::kLabels;
+  const std::set<ArtifactKey> distinct = {keys.Estimate(4, 1, TwoInputs()), keys.Estimate(4, 2, TwoInputs()),
+                                          keys.Estimate(5, 1, TwoInputs()), keys.Estimate(4, 1, swapped),
+                                          keys.Estimate(4, 1, other_role),  keys.Estimate(4, 1, {}),
+                                          keys.Merge(TwoInputs()),          keys.Merge(swapped)};
+  EXPECT_EQ(distinct.size(), 8U);
+}
+
+TEST(ArtifactKeys, OneBlockIsTheSameHoweverLevelsAreSpread) {
+  JobConfig contiguous = MakePlannedJob({}).config;
+  contiguous.resolved.params.partition = Partition::kContiguous;
+  EXPECT_EQ(ArtifactKeys(contiguous).Estimate(1, 0, TwoInputs()),
+            ArtifactKeys(MakePlannedJob({}).config).Estimate(1, 0, TwoInputs()));
+}
+
+}  // namespace
+}  // namespace depthfarm

@@ -1,0 +1,125 @@
+#include "coordinator/planning/job_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "tests/coordinator/planned_job.h"
+
+namespace depthfarm {
+namespace {
+
+TaskId Id(TaskKind kind, int frame, int index = 0, int pair = 0) { return {JobId(1), frame, kind, index, pair}; }
+
+std::vector<TaskId> LabelInputs(const JobPlan& plan, const TaskId& id) {
+  std::vector<TaskId> labels;
+  for (const PlannedInput& input : plan.Inputs(id)) {
+    if (input.role == InputRole::kLabels) labels.push_back(input.producer);
+  }
+  return labels;
+}
+
+TEST(MergePlan, FiveBlocksNeedThreeRounds) {  // ceil(log2 5), IV-A
+  const JobPlan plan(MakePlannedJob({.frames = 1, .blocks_i = 5}));
+  std::vector<TaskId> merges;
+  for (const TaskId& id : plan.TasksOfGop(0)) {
+    if (id.kind == TaskKind::kMerge) merges.push_back(id);
+  }
+  EXPECT_THAT(merges, testing::ElementsAre(Id(TaskKind::kMerge, 0, 0, 0), Id(TaskKind::kMerge, 0, 0, 1),
+                                           Id(TaskKind::kMerge, 0, 1, 0), Id(TaskKind::kMerge, 0, 2, 0)));
+}
+
+TEST(MergePlan, TheOddOnePassesOnWithoutATask) {
+  const JobPlan plan(MakePlannedJob({.frames = 1, .blocks_i = 5}));
+  // Rounds of 5, 3, 2: block 4 passes rounds 0 and 1 and meets the rest in round 2.
+  EXPECT_THAT(LabelInputs(plan, Id(TaskKind::kMerge, 0, 2, 0)),
+              testing::ElementsAre(Id(TaskKind::kMerge, 0, 1, 0), Id(TaskKind::kEstimate, 0, 4)));
+  EXPECT_EQ(plan.FinalLabels(0), Id(TaskKind::kMerge, 0, 2, 0));
+}
+
+TEST(MergePlan, EveryBlockReachesTheFinalLabelsOnce) {
+  for (int blocks = 1; blocks <= 33; ++blocks) {
+    const JobPlan plan(MakePlannedJob({.frames = 1, .blocks_i = blocks}));
+    std::multiset<int> reached;
+    std::vector<TaskId> open = {plan.FinalLabels(0)};
+    while (!open.empty()) {
+      const TaskId id = open.back();
+      open.pop_back();
+      if (id.kind == TaskKind::kEstimate) reached.insert(id.index);
+      for (const TaskId& input : LabelInputs(plan, id)) open.push_back(input);
+    }
+    ASSERT_EQ(static_cast<int>(reached.size()), blocks);
+    ASSERT_EQ(std::set<int>(reached.begin(), reached.end()).size(), reached.size());
+  }
+}
+
+TEST(JobPlan, AnIFrameReadsItsOwnAnalysesOnly) {
+  const JobPlan plan(MakePlannedJob({.frames = 4, .gop = 2}));
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kEstimate, 2, 1)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 2, 0), InputRole::kAnalysis, 0},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 2, 1), InputRole::kAnalysis, 1}));
+}
+
+TEST(JobPlan, APFrameReadsThePreviousFrameAndTheIFrameByRoleThenView) {
+  const JobPlan plan(MakePlannedJob({.frames = 6, .gop = 3, .blocks_i = 2, .blocks_p = 1}));
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kEstimate, 5)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 5, 0), InputRole::kAnalysis, 0},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 5, 1), InputRole::kAnalysis, 1},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 4, 0), InputRole::kPreviousAnalysis, 0},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 4, 1), InputRole::kPreviousAnalysis, 1},
+                                   PlannedInput{Id(TaskKind::kEstimate, 4, 0), InputRole::kPreviousLabels, 0},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 3, 0), InputRole::kIAnalysis, 0},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 3, 1), InputRole::kIAnalysis, 1},
+                                   PlannedInput{Id(TaskKind::kMerge, 3, 0, 0), InputRole::kILabels, 0}));
+}
+
+TEST(JobPlan, TheFirstPFrameListsTheIFrameInBothRoles) {
+  const JobPlan plan(MakePlannedJob({.frames = 2, .gop = 2, .blocks_i = 1}));
+  const std::vector<PlannedInput> inputs = plan.Inputs(Id(TaskKind::kEstimate, 1));
+  EXPECT_EQ(inputs.size(), 8U);
+  EXPECT_EQ(plan.Prerequisites(Id(TaskKind::kEstimate, 1)).size(), 5U);  // each task once
+}
+
+TEST(JobPlan, EmitWaitsForPrepareAndCommitForEmit) {
+  const JobPlan plan(MakePlannedJob({}));
+  EXPECT_THAT(plan.Prerequisites(Id(TaskKind::kEmit, 1)), testing::Contains(plan.OfJob(TaskKind::kPrepare)));
+  EXPECT_THAT(plan.Prerequisites(Id(TaskKind::kCommit, 1)), testing::ElementsAre(Id(TaskKind::kEmit, 1)));
+}
+
+TEST(JobPlan, TotalsCountWhatTheGopsHoldAndPrerequisitesComeFirst) {
+  for (const JobShape& shape : {JobShape{.frames = 7, .gop = 3, .views = 3, .blocks_i = 5, .blocks_p = 2},
+                                JobShape{.frames = 1, .gop = 10, .views = 2, .blocks_i = 1, .blocks_p = 1},
+                                JobShape{.frames = 4, .gop = 1, .views = 4, .blocks_i = 8, .blocks_p = 2}}) {
+    const JobPlan plan(MakePlannedJob(shape));
+    std::map<TaskKind, std::uint64_t> counts;
+    for (int gop = 0; gop < plan.num_gops(); ++gop) {
+      std::set<TaskId> seen = {plan.OfJob(TaskKind::kPrepare)};
+      for (const TaskId& id : plan.TasksOfGop(gop)) {
+        ++counts[id.kind];
+        for (const TaskId& needed : plan.Prerequisites(id)) ASSERT_TRUE(seen.contains(needed)) << TaskName(id);
+        ASSERT_TRUE(seen.insert(id).second);
+      }
+    }
+    for (const auto& [kind, count] : counts) EXPECT_EQ(count, plan.Total(kind)) << TaskKindName(kind);
+  }
+}
+
+TEST(JobPlan, OutputIsNumberedByTheSequence) {
+  PlannedJob job = MakePlannedJob({});
+  job.config.resolved.params.first_frame = 9998;
+  const JobPlan plan(job);
+  EXPECT_EQ(plan.OutputPath(1, 1), "cam1/9999.png");
+  EXPECT_EQ(plan.OutputPath(2, 0), "cam0/10000.png");
+}
+
+TEST(JobPlan, AJobTooLongForItsManifestIsRefused) {
+  EXPECT_TRUE(CheckPlannable(MakePlannedJob({}).config.resolved).ok());
+  ResolvedJob job = MakePlannedJob({}).config.resolved;
+  job.num_frames = 200'001;
+  EXPECT_EQ(CheckPlannable(job).code(), ErrorCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace depthfarm

@@ -1,0 +1,188 @@
+#include "tests/coordinator/scheduling/fake_farm.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <variant>
+
+#include "common/digest/sha256.h"
+
+namespace depthfarm {
+namespace {
+
+std::string Text(const ArtifactKey& key) { return {key.begin(), key.end()}; }
+
+}  // namespace
+
+void FakeFarm::Submit(const PlannedJob& job, int priority) { Send(JobSubmitted{job, "job", priority}); }
+
+WorkerId FakeFarm::Join() {
+  const WorkerId id(++last_worker_);
+  workers[id].id = id;
+  Rejoin(id);
+  return id;
+}
+
+WorkerId FakeFarm::JoinAndAsk() {
+  const WorkerId id = Join();
+  Ask(id);
+  return id;
+}
+
+void FakeFarm::Rejoin(WorkerId worker) {
+  const FakeWorker& fake = At(worker);
+  WorkerJoined event{worker, "w" + std::to_string(worker.value()), {}, {}};
+  for (const auto& [key, artifact] : fake.store) event.artifacts.push_back(artifact);
+  for (const auto& [lease, grant] : fake.running) event.running.push_back(lease);
+  Send(event);
+}
+
+void FakeFarm::Ask(WorkerId worker) { Send(WorkerAsked{worker, ++At(worker).asks}); }
+
+void FakeFarm::Beat(WorkerId worker) {
+  WorkerHeard event{worker, 1, {}};
+  for (const auto& [lease, grant] : At(worker).running) event.running.push_back(lease);
+  Send(event);
+}
+
+void FakeFarm::Leave(WorkerId worker) {
+  workers.erase(worker);
+  Send(WorkerLeft{worker});
+}
+
+void FakeFarm::Drop(WorkerId worker, const ArtifactKey& key) {
+  At(worker).store.erase(key);
+  Send(ArtifactsDropped{worker, {key}});
+}
+
+std::vector<ArtifactKey> FakeFarm::MissingInputs(const FakeWorker& worker, const Grant& grant) const {
+  std::vector<ArtifactKey> missing;
+  for (std::size_t i = 0; i < grant.task.spec.inputs.size(); ++i) {
+    const ArtifactKey& key = grant.task.spec.inputs[i].artifact.key;
+    const auto has = [&](WorkerId id) {
+      const auto holder = workers.find(id);
+      return holder != workers.end() && holder->second.alive && holder->second.store.contains(key);
+    };
+    const auto& holders = grant.task.holders[i];
+    if (!has(worker.id) && std::none_of(holders.begin(), holders.end(), has)) missing.push_back(key);
+  }
+  return missing;
+}
+
+TaskFinished FakeFarm::ResultOf(FakeWorker& worker, const Grant& grant) {
+  const TaskSpec& spec = grant.task.spec;
+  TaskFinished result{worker.id, grant.lease, spec.id, {}, {}, {}, {}};
+  for (const TaskInput& input : spec.inputs) worker.store[input.artifact.key] = input.artifact;
+  if (MakesArtifact(spec.id.kind)) {
+    const ArtifactKey key = spec.id.kind == TaskKind::kAnalyse ? Sha256(spec.picture) : spec.output_key.value();
+    result.artifact = ArtifactInfo{key, 100U + key[0], Sha256(Text(key))};
+    worker.store[key] = *result.artifact;
+  }
+  if (spec.id.kind == TaskKind::kAnalyse) result.picture_digest = Sha256("picture " + spec.picture);
+  if (spec.id.kind == TaskKind::kEmit) {
+    EXPECT_TRUE(emitted.emplace(spec.id.job, spec.staging).second) << "two attempts share " << spec.staging;
+    for (const TaskInput& input : spec.inputs) {
+      if (input.role != InputRole::kAnalysis) continue;
+      std::string number = std::to_string(spec.id.frame);
+      number.insert(0, 4 - number.size(), '0');
+      result.files.push_back({"cam" + std::to_string(input.view) + "/" + number + ".png", Sha256(spec.staging), 5});
+    }
+  }
+  if (spec.id.kind == TaskKind::kCommit) {
+    EXPECT_TRUE(emitted.contains({spec.id.job, spec.staging})) << spec.staging;
+    EXPECT_EQ(spec.files.at(0).sha256, Sha256(spec.staging));
+  }
+  result.stats = {2, 1, 1000, 0, 10, 3, 0, 0, 0, false};
+  return result;
+}
+
+void FakeFarm::Finish(WorkerId worker) {
+  FakeWorker& fake = At(worker);
+  const Grant grant = fake.running.begin()->second;
+  fake.running.erase(grant.lease);
+  const std::vector<ArtifactKey> missing = MissingInputs(fake, grant);
+  if (missing.empty()) {
+    Send(ResultOf(fake, grant));
+  } else {
+    Send(TaskFailed{worker, grant.lease, grant.task.spec.id, Unavailable("inputs are gone"), missing});
+  }
+  Ask(worker);
+}
+
+void FakeFarm::Fail(WorkerId worker, const Status& error) {
+  FakeWorker& fake = At(worker);
+  const Grant grant = fake.running.begin()->second;
+  fake.running.erase(grant.lease);
+  Send(TaskFailed{worker, grant.lease, grant.task.spec.id, error, {}});
+  Ask(worker);
+}
+
+void FakeFarm::Pass(Milliseconds time) {
+  now += time;
+  Apply(scheduler.Tick(now));
+}
+
+void FakeFarm::PassWithBeats(Milliseconds time) {
+  for (const TimePoint end = now + time; now < end;) {
+    now = std::min(end, now + lease_ / 6);
+    for (auto& [id, worker] : workers) {
+      if (!worker.alive) continue;
+      Beat(id);
+      if (worker.running.empty()) Ask(id);
+    }
+    Apply(scheduler.Tick(now));
+  }
+}
+
+void FakeFarm::RunToTheEnd() {
+  for (int step = 0; step < 100'000 && !scheduler.Jobs().empty(); ++step) {
+    bool worked = false;
+    for (auto& [id, worker] : workers) {
+      if (!worker.alive || worker.running.empty()) continue;
+      Finish(id);
+      worked = true;
+    }
+    if (!worked) PassWithBeats(lease_ / 6);
+  }
+  EXPECT_TRUE(scheduler.Jobs().empty()) << "the farm does not come to an end";
+}
+
+int FakeFarm::CountNotes(const std::string& event) const {
+  return static_cast<int>(
+      std::count_if(notes.begin(), notes.end(), [&](const Note& note) { return note.event == event; }));
+}
+
+int FakeFarm::CountGrants(TaskKind kind, int frame) const {
+  return static_cast<int>(std::count_if(grants.begin(), grants.end(), [&](const Grant& grant) {
+    return grant.task.spec.id.kind == kind && grant.task.spec.id.frame == frame;
+  }));
+}
+
+void FakeFarm::Apply(const std::vector<Action>& actions) {
+  for (const Action& action : actions) std::visit([this](const auto& typed) { Apply(typed); }, action);
+}
+
+void FakeFarm::Apply(const Grant& grant) {
+  grants.push_back(grant);
+  FakeWorker& worker = At(grant.worker);
+  EXPECT_EQ(grant.ask_id, worker.asks) << "an ask is answered once";
+  for (const auto& holders : grant.task.holders) EXPECT_FALSE(holders.empty());
+  worker.running.emplace(grant.lease, grant);
+  EXPECT_EQ(worker.running.size(), 1U) << "a worker has one slot";
+}
+
+void FakeFarm::Apply(const AcknowledgeHeartbeat& answer) {
+  for (const LeaseId lease : answer.unknown) At(answer.worker).running.erase(lease);
+}
+
+void FakeFarm::Apply(const Revoke& revoke) {
+  revokes.push_back(revoke);
+  const auto worker = workers.find(revoke.worker);
+  if (worker != workers.end() && worker->second.alive) worker->second.running.erase(revoke.lease);
+}
+
+void FakeFarm::Apply(const JobEnded& event) {
+  EXPECT_TRUE(ended.emplace(event.job.id, event.job).second) << "a job ends once";
+}
+
+}  // namespace depthfarm

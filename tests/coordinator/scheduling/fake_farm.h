@@ -1,0 +1,87 @@
+#ifndef DEPTHFARM_TESTS_COORDINATOR_SCHEDULING_FAKE_FARM_H_
+#define DEPTHFARM_TESTS_COORDINATOR_SCHEDULING_FAKE_FARM_H_
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "coordinator/scheduling/scheduler.h"
+
+namespace depthfarm {
+
+// A worker as the scheduler sees one: runs at most one task, holds artifacts in memory, does nothing by itself.
+struct FakeWorker {
+  WorkerId id;
+  bool alive = true;  // false: silent, its store is gone
+  std::map<LeaseId, Grant> running;
+  std::map<ArtifactKey, ArtifactInfo> store;
+  std::uint64_t asks = 0;
+};
+
+// A farm in memory on a virtual clock: carries out the scheduler's actions and keeps what they were.
+class FakeFarm {
+ public:
+  explicit FakeFarm(const SchedulerOptions& options = {}) : scheduler(options), lease_(options.lease) {}
+
+  void Submit(const PlannedJob& job, int priority = 0);
+  void Cancel(std::uint64_t job) { Send(JobCancelled{JobId(job)}); }
+
+  WorkerId Join();  // a new worker, which does not ask yet
+  WorkerId JoinAndAsk();
+  void Rejoin(WorkerId worker);  // says Hello again with what it holds and runs
+  void Ask(WorkerId worker);
+  void Beat(WorkerId worker);
+  void Kill(WorkerId worker) { At(worker).alive = false; }
+  void Leave(WorkerId worker);
+  void Drop(WorkerId worker, const ArtifactKey& key);
+  // The end of the task that the worker runs: well if all its inputs can be fetched, else with missing inputs. Asks
+  // again.
+  void Finish(WorkerId worker);
+  void Fail(WorkerId worker, const Status& error);
+  void Pass(Milliseconds time);  // no heartbeats
+  void PassWithBeats(Milliseconds time);
+  // Works with all living workers until nothing is left to do.
+  void RunToTheEnd();
+
+  [[nodiscard]] FakeWorker& At(WorkerId worker) { return workers.at(worker); }
+  // The task that the worker runs now.
+  [[nodiscard]] const Grant& Running(WorkerId worker) { return At(worker).running.begin()->second; }
+  [[nodiscard]] bool IsIdle(WorkerId worker) { return At(worker).running.empty(); }
+  [[nodiscard]] int CountNotes(const std::string& event) const;
+  // How often a task of the kind and frame was granted.
+  [[nodiscard]] int CountGrants(TaskKind kind, int frame) const;
+
+  void Send(const Event& event) { Apply(scheduler.Handle(event, now)); }
+  // What a worker that ran the task would report; its artifact and inputs enter its store.
+  [[nodiscard]] TaskFinished ResultOf(FakeWorker& worker, const Grant& grant);
+  [[nodiscard]] std::vector<ArtifactKey> MissingInputs(const FakeWorker& worker, const Grant& grant) const;
+
+  Scheduler scheduler;
+  TimePoint now{std::chrono::hours(1)};
+  std::map<WorkerId, FakeWorker> workers;
+  std::vector<Grant> grants;
+  std::vector<Revoke> revokes;
+  std::vector<Release> releases;
+  std::map<JobId, JobSnapshot> ended;
+  std::vector<Note> notes;
+  std::set<std::pair<JobId, std::string>> emitted;  // staging folders
+
+ private:
+  void Apply(const std::vector<Action>& actions);
+  void Apply(const Grant& grant);
+  void Apply(const AcknowledgeHeartbeat& answer);
+  void Apply(const Revoke& revoke);
+  void Apply(const Release& release) { releases.push_back(release); }
+  void Apply(const ForgetJob&) {}
+  void Apply(const JobEnded& event);
+  void Apply(const WorkerLost&) {}
+  void Apply(const Note& note) { notes.push_back(note); }
+
+  Milliseconds lease_;
+  std::uint64_t last_worker_ = 0;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_TESTS_COORDINATOR_SCHEDULING_FAKE_FARM_H_
