@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -19,15 +20,16 @@ constexpr int kExitFailed = 1;
 constexpr int kExitBadUsage = 2;
 constexpr int kExitNoCoordinator = 3;
 
-WorkerService* running_service = nullptr;
+std::atomic<WorkerService*> running_service = nullptr;
+std::atomic<bool> stop_signalled = false;
 
 extern "C" void OnSignal(int) {
-  if (running_service != nullptr) running_service->Stop();
+  stop_signalled = true;
+  if (WorkerService* service = running_service) service->Stop();
 }
 
-// SIGTERM and SIGINT end the worker; a write to a closed pipe is an error like any other.
-void InstallSignalHandlers(WorkerService& service) {
-  running_service = &service;
+// SIGTERM and SIGINT end the worker, also while it still starts; a write to a closed pipe is an error like any other.
+void InstallSignalHandlers() {
   struct sigaction handler {};
   handler.sa_handler = OnSignal;
   sigemptyset(&handler.sa_mask);
@@ -83,6 +85,7 @@ int Fail(const Status& status, int code) {
 }
 
 int RunWorker(WorkerOptions options) {
+  InstallSignalHandlers();
   TemporaryCache cache;
   if (options.cache_dir.empty()) {
     const Status made = cache.Make();
@@ -94,8 +97,10 @@ int RunWorker(WorkerOptions options) {
     const bool usage = service.status().code() == ErrorCode::kInvalidArgument;
     return Fail(service.status(), usage ? kExitBadUsage : kExitFailed);
   }
-  InstallSignalHandlers(**service);
+  running_service = service->get();
+  if (stop_signalled) (*service)->Stop();
   const Status status = (*service)->Run();
+  running_service = nullptr;
   const int code = status.ok() ? kExitOk : Fail(status, ExitCodeOf(status));
   if ((*service)->busy()) {
     // A task that does not notice its stop must not keep the process: its result was given up already.
@@ -103,7 +108,6 @@ int RunWorker(WorkerOptions options) {
     cache.Remove();
     std::_Exit(code);
   }
-  running_service = nullptr;
   return code;
 }
 

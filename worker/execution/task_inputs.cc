@@ -1,6 +1,7 @@
 #include "worker/execution/task_inputs.h"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "worker/estimation/label_field_codec.h"
@@ -61,6 +62,13 @@ Status TaskInputs::Load(const TaskSpec& spec, int num_views) {
 
 Status TaskInputs::LoadOne(const TaskInput& input) {
   const ArtifactKey& key = input.artifact.key;
+  // Another digest under the same key is a violation of determinism that the coordinator reports; all tasks of the job
+  // must still see the same bytes.
+  const std::optional<ArtifactInfo> held = store_.Find(key);
+  if (held.has_value() && held->content_digest != input.artifact.content_digest) {
+    cache_.Erase(key);
+    store_.Drop(key);
+  }
   Loaded loaded{.role = input.role, .view = input.view, .analysis = nullptr, .labels = nullptr};
   if (IsAnalysis(input.role)) {
     loaded.analysis = FindAnalysis(key);

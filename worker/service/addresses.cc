@@ -12,11 +12,12 @@ std::string DefaultArtifactEndpoint(const Endpoint& coordinator, const std::stri
   return coordinator.IsLoopback() ? "tcp://127.0.0.1:*" : "tcp://*:*";
 }
 
-Result<std::string> AdvertisedEndpoint(const std::string& bound, const std::string& advertised_host, bool always) {
+Result<std::string> AdvertisedEndpoint(const Endpoint& listen, const std::string& bound, const std::string& host,
+                                       bool host_was_named) {
   DEPTHFARM_ASSIGN_OR_RETURN(Endpoint endpoint, ParseEndpoint(bound));
   if (endpoint.kind == Endpoint::Kind::kIpc) return bound;
-  const bool everywhere = endpoint.host == "0.0.0.0" || endpoint.host == "*" || endpoint.host == "[::]";
-  if (everywhere || always) endpoint.host = advertised_host;
+  const bool everywhere = listen.host == "*" || listen.host == "0.0.0.0" || listen.host == "[::]";
+  endpoint.host = everywhere || host_was_named ? host : listen.host;
   return endpoint.ToString();
 }
 

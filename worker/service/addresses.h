@@ -13,10 +13,10 @@ namespace depthfarm {
 // workers of a machine apart in file names.
 [[nodiscard]] std::string DefaultArtifactEndpoint(const Endpoint& coordinator, const std::string& unique);
 
-// What peers are told to connect to: `bound`, with `advertised_host` in place of its host when that is not one to
-// connect to (0.0.0.0) or when the user insists (`always`).
-[[nodiscard]] Result<std::string> AdvertisedEndpoint(const std::string& bound, const std::string& advertised_host,
-                                                     bool always);
+// What peers are told to connect to: the port that `bound` has in fact, at the host that was asked for in `listen`;
+// when that means every address, or when the user named a host to advertise, at `host`.
+[[nodiscard]] Result<std::string> AdvertisedEndpoint(const Endpoint& listen, const std::string& bound,
+                                                     const std::string& host, bool host_was_named);
 
 }  // namespace depthfarm
 

@@ -96,7 +96,7 @@ Status WorkerService::OpenArtifacts(const std::optional<WorkerKeys>& keys) {
                                                             curve ? keys->own.secret_key : ""));
   const std::string host = options_.advertise.empty() ? HostName() : options_.advertise;
   DEPTHFARM_ASSIGN_OR_RETURN(identity_.artifacts.endpoint,
-                             AdvertisedEndpoint(server_->endpoint(), host, !options_.advertise.empty()));
+                             AdvertisedEndpoint(listen, server_->endpoint(), host, !options_.advertise.empty()));
   if (curve) identity_.artifacts.public_key = keys->own.public_key;
 
   FetchOptions fetch;

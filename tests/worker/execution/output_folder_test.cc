@@ -1,0 +1,136 @@
+#include "worker/execution/output_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/digest/sha256.h"
+#include "common/files/atomic_file.h"
+#include "tests/worker/artifacts/temporary_folder.h"
+
+namespace depthfarm {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+OutputFile FileOf(const std::string& path, const std::string& content) {
+  return {.path = path, .sha256 = Sha256(content), .bytes = content.size()};
+}
+
+class OutputFolderTest : public testing::Test {
+ protected:
+  std::string Content(const std::string& path) { return ReadFileBytes((dir_ / path).string(), 1000).value(); }
+  void Write(const fs::path& path, const std::string& content) {
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << content;
+  }
+
+  TemporaryFolder temporary_;
+  fs::path dir_ = temporary_.path() / "out";
+  OutputFolder folder_ = OutputFolder::At(dir_.string()).value();
+};
+
+TEST_F(OutputFolderTest, IsAnAbsoluteFolderOfItsOwn) {
+  for (const char* dir : {"", "out", "./out", "/", "/a/../b", "/a/.."}) {
+    EXPECT_EQ(OutputFolder::At(dir).status().code(), ErrorCode::kInvalidArgument) << dir;
+  }
+}
+
+TEST_F(OutputFolderTest, MovesStagedFilesIntoPlace) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("f0-a1", "cam0/0000.png", "depth").ok());
+  EXPECT_FALSE(fs::exists(dir_ / "depth"));
+  ASSERT_TRUE(folder_.Commit("f0-a1", {FileOf("cam0/0000.png", "depth")}).ok());
+  EXPECT_EQ(Content("depth/cam0/0000.png"), "depth");
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging/f0-a1"));
+}
+
+TEST_F(OutputFolderTest, ACommitMayBeRepeated) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  const std::vector<OutputFile> files{FileOf("a/0.png", "one"), FileOf("b/0.png", "two")};
+  ASSERT_TRUE(folder_.Stage("s", "a/0.png", "one").ok());
+  ASSERT_TRUE(folder_.Stage("s", "b/0.png", "two").ok());
+  ASSERT_TRUE(folder_.Commit("s", files).ok());
+  EXPECT_TRUE(folder_.Commit("s", files).ok());
+  EXPECT_EQ(Content("depth/b/0.png"), "two");
+}
+
+TEST_F(OutputFolderTest, ACommitGoesOnWhereAnotherOneDied) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  Write(dir_ / "depth/a/0.png", "one");
+  ASSERT_TRUE(folder_.Stage("s", "b/0.png", "two").ok());
+  EXPECT_TRUE(folder_.Commit("s", {FileOf("a/0.png", "one"), FileOf("b/0.png", "two")}).ok());
+}
+
+TEST_F(OutputFolderTest, CommitsNothingButWhatWasEmitted) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("s", "a/0.png", "fake").ok());
+  EXPECT_EQ(folder_.Commit("s", {FileOf("a/0.png", "true")}).code(), ErrorCode::kCorrupt);
+  EXPECT_FALSE(fs::exists(dir_ / "depth/a/0.png"));
+  EXPECT_EQ(folder_.Commit("s", {FileOf("b/0.png", "true")}).code(), ErrorCode::kUnavailable);
+}
+
+TEST_F(OutputFolderTest, NoPathLeavesTheFolder) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  for (const char* path :
+       {"../x/0.png", "a/../../0.png", "/etc/0.png", "a", "a/", "/a", "a/..", "a/b/0.png", "a/x\n"}) {
+    EXPECT_EQ(folder_.Stage("s", path, "").code(), ErrorCode::kInvalidArgument) << path;
+    EXPECT_EQ(folder_.Commit("s", {FileOf(path, "")}).code(), ErrorCode::kInvalidArgument) << path;
+  }
+  for (const char* staging : {"", ".", "..", "../..", "a/b", "/a"}) {
+    EXPECT_EQ(folder_.Stage(staging, "a/0.png", "").code(), ErrorCode::kInvalidArgument) << staging;
+    EXPECT_EQ(folder_.Commit(staging, {}).code(), ErrorCode::kInvalidArgument) << staging;
+  }
+}
+
+TEST_F(OutputFolderTest, RefusesAFolderWithSomebodyElsesDepth) {
+  Write(dir_ / "depth/precious.png", "mine");
+  const Status prepared = folder_.Prepare();
+  EXPECT_EQ(prepared.code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(prepared.message(), HasSubstr("choose another folder"));
+  EXPECT_EQ(Content("depth/precious.png"), "mine");
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-job"));
+}
+
+TEST_F(OutputFolderTest, ReplacesAnEarlierResultAndLeavesOtherFilesAlone) {
+  Write(dir_ / "depth/cam9/0000.png", "old");
+  Write(dir_ / "depth.json", "{}");
+  Write(dir_ / "notes.txt", "mine");
+  ASSERT_TRUE(folder_.Prepare().ok());
+  EXPECT_FALSE(fs::exists(dir_ / "depth"));
+  EXPECT_FALSE(fs::exists(dir_ / "depth.json"));
+  EXPECT_EQ(Content("notes.txt"), "mine");
+}
+
+TEST_F(OutputFolderTest, TakesOverTheFolderOfAJobThatFailed) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("s", "a/0.png", "one").ok());
+  ASSERT_TRUE(folder_.Commit("s", {FileOf("a/0.png", "one")}).ok());
+  ASSERT_TRUE(folder_.Stage("t", "a/1.png", "two").ok());
+  ASSERT_TRUE(folder_.RemoveStaging().ok());
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
+  EXPECT_TRUE(folder_.Prepare().ok());
+  EXPECT_FALSE(fs::exists(dir_ / "depth"));
+}
+
+TEST_F(OutputFolderTest, AnAttemptThatOutlivesItsJobWritesNothing) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Finish({.sequence = "s", .algorithm_version = 1, .parameters = {}, .cameras = {}}).ok());
+  EXPECT_TRUE(fs::exists(dir_ / "depth.json"));
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-job"));
+  EXPECT_EQ(folder_.Stage("late", "a/0.png", "old").code(), ErrorCode::kUnavailable);
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
+}
+
+TEST_F(OutputFolderTest, SaysWhichPathItCannotWrite) {
+  Write(dir_, "a file, not a folder");
+  const Status prepared = folder_.Prepare();
+  EXPECT_EQ(prepared.code(), ErrorCode::kUnavailable);
+  EXPECT_THAT(prepared.message(), HasSubstr(dir_.string()));
+}
+
+}  // namespace
+}  // namespace depthfarm

@@ -1,0 +1,296 @@
+#include "worker/execution/task_executor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "common/digest/sha256.h"
+#include "common/files/atomic_file.h"
+#include "common/media/depth_file.h"
+#include "common/sequence/depth_manifest.h"
+#include "tests/worker/execution/small_job.h"
+#include "worker/estimation/label_field_codec.h"
+#include "worker/execution/analysis_key.h"
+
+namespace depthfarm {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+// Relative path -> content of every file below a folder.
+std::map<std::string, std::string> Contents(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    contents[fs::relative(entry.path(), folder).string()] =
+        ReadFileBytes(entry.path().string(), std::uint64_t{1} << 30).value();
+  }
+  return contents;
+}
+
+// All views of the I frame are analysed.
+void AnalyseFirstFrame(SmallJob& job, TestWorker& worker) {
+  for (int view = 0; view < 3; ++view) {
+    const TaskSpec spec = job.Analyse(0, view);
+    const TaskOutcome outcome = worker.Execute(spec, job.config);
+    ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
+    job.Note(spec, outcome);
+  }
+}
+
+TEST(TaskExecutor, RunsAWholeJob) {
+  SmallJob job;
+  TestWorker worker;
+  const Status status = job.RunOn({&worker});
+  ASSERT_TRUE(status.ok()) << status.message();
+
+  const DepthManifest manifest = ReadDepthManifest(job.output().string()).value();
+  EXPECT_EQ(manifest.first_frame, 5);
+  ASSERT_THAT(manifest.cameras, SizeIs(3));
+  for (const DepthManifestCamera& camera : manifest.cameras) {
+    ASSERT_THAT(camera.files, SizeIs(2));
+    EXPECT_EQ(camera.files[1].path, "depth/" + camera.camera.name + "/0006.png");
+    for (const DepthManifestFile& file : camera.files) {
+      const std::string bytes = ReadFileBytes((job.output() / file.path).string(), 1 << 20).value();
+      EXPECT_EQ(Hex(Sha256(bytes)), file.sha256);
+      const Grid<std::uint16_t> codes = DecodeDepthPng(bytes).value();
+      EXPECT_EQ(codes.width(), camera.camera.width);
+      EXPECT_EQ(codes.height(), camera.camera.height);
+    }
+  }
+  EXPECT_EQ(manifest.cameras[2].input_sha256[1],
+            Hex(Sha256(ReadFileBytes(job.picture(1, 2).string(), 1 << 20).value())));
+  EXPECT_FALSE(fs::exists(job.output() / ".depthfarm-staging"));
+  EXPECT_FALSE(fs::exists(job.output() / ".depthfarm-job"));
+}
+
+TEST(TaskExecutor, TheResultDoesNotDependOnTheNumberOfWorkers) {
+  SmallJob alone;
+  TestWorker worker;
+  ASSERT_TRUE(alone.RunOn({&worker}).ok());
+
+  SmallJob shared;
+  TestWorker a;
+  TestWorker b;
+  a.fetcher.stores = b.fetcher.stores = {a.store.get(), b.store.get()};
+  const Status status = shared.RunOn({&a, &b});
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_GT(a.fetcher.fetches, 0);
+  EXPECT_GT(b.fetcher.fetches, 0);
+  EXPECT_EQ(Contents(shared.output()), Contents(alone.output()));
+}
+
+TEST(TaskExecutor, ARepeatedJobReusesWhatExists) {
+  SmallJob job;
+  TestWorker worker;
+  ASSERT_TRUE(job.RunOn({&worker}).ok());
+  for (const TaskSpec& spec : {job.Analyse(0, 1), job.Estimate(1, 0), job.Merge(1)}) {
+    const TaskOutcome outcome = worker.Execute(spec, job.config);
+    ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
+    EXPECT_TRUE(outcome.stats.reused) << TaskName(spec.id);
+    EXPECT_EQ(outcome.artifact, worker.store->Find(outcome.artifact->key));
+  }
+}
+
+TEST(TaskExecutor, ADamagedArtifactIsMadeAgainNotReused) {
+  SmallJob job;
+  TestWorker worker;
+  const TaskOutcome first = worker.Execute(job.Analyse(0, 0), job.config);
+  ASSERT_TRUE(worker.store->Put(*first.output_key, "rubbish").ok());
+  worker.cache.Erase(*first.output_key);
+  const TaskOutcome second = worker.Execute(job.Analyse(0, 0), job.config);
+  ASSERT_TRUE(second.status.ok()) << second.status.message();
+  EXPECT_FALSE(second.stats.reused);
+  EXPECT_EQ(second.artifact, first.artifact);
+}
+
+TEST(TaskExecutor, BlocksOfAFrameShareItsAnalysis) {
+  SmallJob job;
+  TestWorker holder;
+  AnalyseFirstFrame(job, holder);
+  TestWorker worker;
+  worker.fetcher.stores = {holder.store.get()};
+  const TaskOutcome first = worker.Execute(job.Estimate(0, 0), job.config);
+  ASSERT_TRUE(first.status.ok()) << first.status.message();
+  EXPECT_EQ(worker.fetcher.fetches, 3);
+  EXPECT_GT(first.stats.fetched_bytes, 0);
+  const TaskOutcome second = worker.Execute(job.Estimate(0, 1), job.config);
+  ASSERT_TRUE(second.status.ok());
+  EXPECT_EQ(worker.fetcher.fetches, 3);
+  EXPECT_EQ(second.stats.fetched_bytes, 0);
+}
+
+TEST(TaskExecutor, UsesTheBytesTheJobNamesNotOthersOfTheSameKey) {
+  SmallJob job;
+  TestWorker holder;
+  AnalyseFirstFrame(job, holder);
+  const TaskSpec spec = job.Estimate(0, 0);
+  TestWorker worker;
+  worker.fetcher.stores = {holder.store.get()};
+  const std::string other_view = holder.store->Get(spec.inputs[1].artifact.key).value();
+  ASSERT_TRUE(worker.store->Put(spec.inputs[0].artifact.key, other_view).ok());
+  const TaskOutcome outcome = worker.Execute(spec, job.config);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
+  EXPECT_EQ(outcome.artifact, holder.Execute(spec, job.config).artifact);
+}
+
+TEST(TaskExecutor, NamesEveryMissingInput) {
+  SmallJob job;
+  TestWorker holder;
+  AnalyseFirstFrame(job, holder);
+  TestWorker stranger;
+  const TaskSpec spec = job.Estimate(0, 0);
+  const TaskOutcome outcome = stranger.Execute(spec, job.config);
+  EXPECT_EQ(outcome.status.code(), ErrorCode::kUnavailable);
+  EXPECT_THAT(outcome.status.message(), HasSubstr("frame 5"));
+  EXPECT_EQ(outcome.missing_inputs, (std::vector<ArtifactKey>{spec.inputs[0].artifact.key, spec.inputs[1].artifact.key,
+                                                              spec.inputs[2].artifact.key}));
+}
+
+TEST(TaskExecutor, AnErrorOfAPictureNamesCameraFrameAndFile) {
+  SmallJob job;
+  TestWorker worker;
+  std::ofstream(job.picture(1, 2)) << "too short";
+  const TaskOutcome outcome = worker.Execute(job.Analyse(1, 2), job.config);
+  EXPECT_EQ(outcome.status.code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(outcome.status.message(), HasSubstr("camera 'cam2', frame 6"));
+  EXPECT_THAT(outcome.status.message(), HasSubstr(job.picture(1, 2).string()));
+}
+
+TEST(TaskExecutor, AMissingPictureMayBeReadableElsewhere) {
+  SmallJob job;
+  TestWorker worker;
+  fs::remove(job.picture(0, 0));
+  const TaskOutcome outcome = worker.Execute(job.Analyse(0, 0), job.config);
+  EXPECT_EQ(outcome.status.code(), ErrorCode::kUnavailable);
+  EXPECT_THAT(outcome.status.message(), HasSubstr("camera 'cam0', frame 5"));
+}
+
+TEST(TaskExecutor, AStoppedTaskIsCancelledAndMakesNothing) {
+  SmallJob job;
+  TestWorker worker;
+  AnalyseFirstFrame(job, worker);
+  std::stop_source stop;
+  stop.request_stop();
+  for (const TaskSpec& spec : {job.Analyse(1, 0), job.Estimate(0, 0)}) {
+    const TaskOutcome outcome = worker.executor.Execute(spec, job.config, stop.get_token());
+    EXPECT_EQ(outcome.status.code(), ErrorCode::kCancelled) << TaskName(spec.id);
+    EXPECT_FALSE(outcome.artifact.has_value());
+  }
+}
+
+TEST(TaskExecutor, RefusesAJobOfAnotherAlgorithmVersion) {
+  SmallJob job;
+  TestWorker worker;
+  job.config.algorithm_version = kAlgorithmVersion + 1;
+  EXPECT_EQ(worker.Execute(job.Analyse(0, 0), job.config).status.code(), ErrorCode::kIncompatible);
+}
+
+TEST(TaskExecutor, RefusesTasksThatDoNotFitTheJob) {
+  SmallJob job;
+  TestWorker worker;
+  AnalyseFirstFrame(job, worker);
+  const auto code_of = [&](const TaskSpec& spec) { return worker.Execute(spec, job.config).status.code(); };
+  TaskSpec spec = job.Analyse(0, 0);
+  spec.id.index = 3;
+  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
+  spec = job.Analyse(0, 0);
+  spec.id.frame = 2;
+  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
+  spec = job.Estimate(0, 0);
+  spec.id.index = 2;
+  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
+  spec = job.Estimate(0, 0);
+  spec.inputs.pop_back();
+  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
+  spec = job.Estimate(0, 0);
+  spec.inputs[2].view = 1;
+  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
+  spec = job.Estimate(0, 0);
+  spec.inputs[2].view = 3;
+  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
+}
+
+TEST(TaskExecutor, EmitsNoDepthFromLabelsThatDoNotFit) {
+  SmallJob job;
+  TestWorker worker;
+  ASSERT_TRUE(job.RunOn({&worker}).ok());
+  ASSERT_TRUE(worker.Execute(job.Simple(TaskKind::kPrepare), job.config).status.ok());
+  TaskSpec spec = job.Emit(0);
+  LabelField field = DecodeLabelField(worker.store->Get(spec.inputs[3].artifact.key).value()).value();
+  const auto emit_with = [&](const LabelField& labels, int number) {
+    ArtifactKey key{};
+    key[0] = static_cast<std::uint8_t>(number);
+    spec.inputs[3].artifact = worker.store->Put(key, EncodeLabelField(labels)).value();
+    return worker.Execute(spec, job.config).status;
+  };
+  EXPECT_TRUE(emit_with(field, 1).ok());
+  LabelField bad = field;
+  bad.views[1].levels[7] = 8;  // the job has levels 0 to 7
+  EXPECT_THAT(emit_with(bad, 2).message(), HasSubstr("camera 'cam1': level 8"));
+  bad = field;
+  bad.views[2].levels.pop_back();
+  bad.views[2].unchanged.pop_back();
+  EXPECT_EQ(emit_with(bad, 3).code(), ErrorCode::kInvalidArgument);
+  bad = field;
+  bad.views.pop_back();
+  EXPECT_EQ(emit_with(bad, 4).code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(TaskExecutor, MeasuresWhatATaskCost) {
+  SmallJob job;
+  TestWorker worker;
+  AnalyseFirstFrame(job, worker);
+  const TaskStats stats = worker.Execute(job.Estimate(0, 0), job.config).stats;
+  EXPECT_GT(stats.wall_seconds, 0);
+  EXPECT_GE(stats.cpu_seconds, 0);
+  EXPECT_GT(stats.peak_memory_bytes, 1 << 20);
+  EXPECT_GT(stats.sweeps, 0);
+  EXPECT_GT(stats.segments, 0);
+  EXPECT_EQ(stats.nodes, stats.segments);  // an I frame adopts nothing
+}
+
+TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {
+  const SmallJob job;
+  const JobView view = job.config.resolved.views[0];
+  const EstimationParams params = job.config.resolved.params;
+  const ContentDigest digest = Sha256("picture");
+  std::vector<ArtifactKey> keys{AnalysisKey(view, params, digest), AnalysisKey(view, params, Sha256("other"))};
+  const auto with_view = [&](const auto& change) {
+    JobView changed = view;
+    change(changed);
+    keys.push_back(AnalysisKey(changed, params, digest));
+  };
+  with_view([](JobView& v) { ++v.source_width; });
+  with_view([](JobView& v) { ++v.source_height; });
+  with_view([](JobView& v) { ++v.segments; });
+  with_view([](JobView& v) { v.format.kind = PictureFormat::Kind::kImage; });
+  with_view([](JobView& v) { v.format.bits = 10; });
+  with_view([](JobView& v) { v.format.full_range = false; });
+  with_view([](JobView& v) { v.format.bt709 = true; });
+  EstimationParams changed = params;
+  changed.downscale = 2;
+  keys.push_back(AnalysisKey(view, changed, digest));
+  changed = params;
+  changed.snic_compactness += 1e-12;
+  keys.push_back(AnalysisKey(view, changed, digest));
+  const std::set<ArtifactKey> distinct(keys.begin(), keys.end());
+  EXPECT_EQ(distinct.size(), keys.size());
+
+  changed = params;
+  changed.levels = 99;
+  changed.smoothing = 9;
+  JobView moved = view;
+  moved.camera.name = "elsewhere";
+  moved.camera.cam_from_world_translation.x() += 1;
+  EXPECT_EQ(AnalysisKey(moved, changed, digest), keys[0]);
+}
+
+}  // namespace
+}  // namespace depthfarm
