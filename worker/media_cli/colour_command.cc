@@ -35,7 +35,7 @@ Result<DepthCode> SharedRange(const std::string& depth_dir, const DepthManifest&
   const std::size_t tail = depths.size() / 200;
   const double z_near = static_cast<double>(depths[tail]);
   const double z_far = static_cast<double>(depths[depths.size() - 1 - tail]);
-  return DepthCode::Create(z_near, std::max(z_far, 1.001 * z_near));
+  return DepthCode::Create(z_near, std::max(z_far, 1.1 * z_near));
 }
 
 Status WritePng(const std::filesystem::path& path, const RgbImage& picture) {

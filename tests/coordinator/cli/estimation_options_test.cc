@@ -73,7 +73,7 @@ INSTANTIATE_TEST_SUITE_P(All, AcceptedOption,
                              {"downscale", "4", [](EstimationParams& p) { p.downscale = 4; }},
                              {"neighbors", "3", [](EstimationParams& p) { p.neighbours = 3; }},
                              {"sweeps", "2", [](EstimationParams& p) { p.max_sweeps = 2; }},
-                             {"sweeps", "auto", [](EstimationParams&) {}},
+                             {"sweeps", "auto", [](EstimationParams& p) { p.max_sweeps = 0; }},
                          }));
 
 class RefusedOption : public testing::TestWithParam<std::pair<std::string, std::string>> {};
