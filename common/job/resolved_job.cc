@@ -67,13 +67,13 @@ Status ResolveRange(const Sequence& sequence, const SequenceCamera& reference, E
   return {};
 }
 
-Result<int> AutoLevels(const ResolvedJob& job, const DepthLevels& ends) {
+Result<int> AutoLevels(const ResolvedJob& job, const DepthLevels& planes) {
   std::vector<double> nearest;
   double widest = 0;
   for (const JobView& view : job.views) {
     for (std::size_t i = 0; i < view.neighbours.size(); ++i) {
       const Camera& neighbour = job.views[static_cast<std::size_t>(view.neighbours[i])].camera;
-      const double range = DisparityRange(view.camera, neighbour, ends);
+      const double range = DisparityRange(view.camera, neighbour, planes);
       if (i == 0) nearest.push_back(range);
       widest = std::max(widest, range);
     }
@@ -128,6 +128,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
   job.params = params;
   DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<const SequenceCamera*> selected, SelectViews(sequence, params));
   DEPTHFARM_ASSIGN_OR_RETURN(const SequenceCamera* reference, ReferenceCamera(sequence, selected));
+  DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(reference->camera));
   job.reference = Downscaled(reference->camera, params.downscale);
   DEPTHFARM_RETURN_IF_ERROR(ResolveRange(sequence, *reference, job.params));
   DEPTHFARM_RETURN_IF_ERROR(ResolveFrames(selected, job));
@@ -147,12 +148,14 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     cameras.push_back(job_view.camera);
     job.views.push_back(job_view);
   }
-  const int ends_only = 2;
-  DEPTHFARM_ASSIGN_OR_RETURN(const DepthLevels ends,
-                             DepthLevels::Create(job.reference, job.params.z_near, job.params.z_far, ends_only));
-  const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, ends, params.neighbours);
+  // Whom a view sees and how far points travel depends on the ends of the range alone, but a view may stand between the
+  // planes: it sees those that there will be at most.
+  const int most_levels = params.levels > 0 ? params.levels : kMaxAutoLevels;
+  DEPTHFARM_ASSIGN_OR_RETURN(const DepthLevels planes,
+                             DepthLevels::Create(job.reference, job.params.z_near, job.params.z_far, most_levels));
+  const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, planes, params.neighbours);
   for (std::size_t i = 0; i < job.views.size(); ++i) {
-    DEPTHFARM_RETURN_IF_ERROR(OwnDepthRange(cameras[i], ends).status());
+    DEPTHFARM_RETURN_IF_ERROR(OwnDepthRange(cameras[i], planes).status());
     job.views[i].neighbours = neighbours[i];
     if (neighbours[i].empty()) {
       return InvalidArgument("camera '" + cameras[i].name +
@@ -161,7 +164,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     }
   }
   if (params.levels == 0) {
-    DEPTHFARM_ASSIGN_OR_RETURN(job.params.levels, AutoLevels(job, ends));
+    DEPTHFARM_ASSIGN_OR_RETURN(job.params.levels, AutoLevels(job, planes));
   }
   if (job.params.level_blocks > job.params.levels) {
     return InvalidArgument("level-blocks is " + std::to_string(job.params.level_blocks) +

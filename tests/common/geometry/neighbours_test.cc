@@ -48,6 +48,7 @@ NeighbourNames Neighbours(const std::vector<Camera>& views, int max_neighbours) 
 
 std::vector<Camera> Line(const std::vector<double>& xs) {
   std::vector<Camera> views;
+  views.reserve(xs.size());
   for (const double x : xs) {
     views.push_back(ForwardCamera("cam" + std::to_string(views.size()), x, 0, 320, 240, 300));
   }
