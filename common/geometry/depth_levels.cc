@@ -41,10 +41,13 @@ LevelsInView::LevelsInView(const Camera& view, const DepthLevels& levels) {
 }
 
 Result<DepthRange> OwnDepthRange(const Camera& view, const DepthLevels& levels) {
+  constexpr double kNearestShare = 1.0 / 20;
   const LevelsInView in_view(view, levels);
+  int nearest_in_front = levels.count() - 1;
+  while (nearest_in_front > 0 && levels.DepthInRef(nearest_in_front) <= in_view.center_depth()) --nearest_in_front;
   DepthRange range{std::numeric_limits<double>::infinity(), 0};
   const auto visit = [&](int x, int y) {
-    for (const int level : {0, levels.count() - 1}) {
+    for (const int level : {0, nearest_in_front}) {
       const double inverse = in_view.InverseDepth(x, y, levels.DepthInRef(level));
       if (!(inverse > 0) || !std::isfinite(inverse)) continue;
       range.z_near = std::min(range.z_near, 1.0 / inverse);
@@ -59,6 +62,7 @@ Result<DepthRange> OwnDepthRange(const Camera& view, const DepthLevels& levels) 
     visit(0, y);
     visit(view.width - 1, y);
   }
+  range.z_near = std::max(range.z_near, kNearestShare * levels.z_near());
   if (!(range.z_near < range.z_far) || !std::isfinite(range.z_far)) {
     return InvalidArgument("camera '" + view.name +
                            "' does not see the depth planes of the reference camera (it faces away from them or stands "

@@ -68,9 +68,11 @@ class LevelsInView {
   double center_depth_ = 0;
 };
 
-// Own depth range of a view over the end planes: the smallest and largest z of the rays of its corner and edge pixels
-// that meet them (the extremes lie there, z being the inverse of an affine function of the pixel). kInvalidArgument,
-// naming the view, if no ray meets a plane in front of it.
+// Own depth range of a view over all level planes: the smallest and largest z of the rays of its corner and edge pixels
+// that meet a plane in front of it (on each plane the extremes lie there, z being the inverse of an affine function of
+// the pixel). A view may stand between the planes: those behind it do not count, and those it nearly touches are cut
+// off at 1/20 of the reference's z_near, nearer than which nothing is expected; the depth files clamp there.
+// kInvalidArgument, naming the view, if no ray meets a plane in front of it.
 struct DepthRange {
   double z_near = 0;
   double z_far = 0;

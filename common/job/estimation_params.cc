@@ -58,6 +58,7 @@ Result<EstimationParams> Preset(const std::string& name) {
   if (name == "paper") {
     params.levels = 250;
     params.level_blocks = 1;
+    params.max_sweeps = 0;
     return params;
   }
   return InvalidArgument("preset is '" + name + "', expected default or paper");

@@ -152,7 +152,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
                              DepthLevels::Create(job.reference, job.params.z_near, job.params.z_far, ends_only));
   const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, ends, params.neighbours);
   for (std::size_t i = 0; i < job.views.size(); ++i) {
-    DEPTHFARM_ASSIGN_OR_RETURN(job.views[i].own_range, OwnDepthRange(cameras[i], ends));
+    DEPTHFARM_RETURN_IF_ERROR(OwnDepthRange(cameras[i], ends).status());
     job.views[i].neighbours = neighbours[i];
     if (neighbours[i].empty()) {
       return InvalidArgument("camera '" + cameras[i].name +
@@ -166,6 +166,10 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
   if (job.params.level_blocks > job.params.levels) {
     return InvalidArgument("level-blocks is " + std::to_string(job.params.level_blocks) +
                            ", expected at most the number of levels, " + std::to_string(job.params.levels));
+  }
+  const DepthLevels levels = job.Levels();
+  for (JobView& view : job.views) {
+    DEPTHFARM_ASSIGN_OR_RETURN(view.own_range, OwnDepthRange(view.camera, levels));
   }
   ResolveBlocks(job);
   return job;

@@ -80,7 +80,7 @@ std::vector<Shape> PosedPerson(const Person& person, int frame) {
   // Turns its side to the cameras while walking and its face while turning round.
   const double stride = person.walk_m > 0.1 ? 1.0 : 0.0;
   const double turn = person.facing - stride * 0.95 * speed;
-  const double step = 2 * std::numbers::pi * frame / 26.0 + person.phase;  // a pair of steps takes about a second
+  const double step = 2 * std::numbers::pi * frame / 28.0 + person.phase;  // a pair of steps takes about a second
   const double swing = stride * 0.42 * std::abs(speed) * std::sin(step);
   const double bob = stride * 0.015 * std::abs(speed) * std::cos(2 * step);
   Figure figure(person.place + Vector3d(person.walk_m * std::sin(walk), bob, 0), person.height_m / 1.75, turn);
@@ -92,7 +92,7 @@ std::vector<Shape> PosedPerson(const Person& person, int frame) {
   figure.Ellipsoid(Vector3d(0, -1.3, 0.003), Vector3d(0.2, 0.21, 0.123), person.shirt);
   figure.Limb(Vector3d(0, -1.42, 0.01), Vector3d(0, -1.52, 0), 0.052, person.skin);
 
-  const double waving = std::sin(2 * std::numbers::pi * frame / 18.0);
+  const double waving = std::sin(2 * std::numbers::pi * frame / 24.0);
   const double idle = 0.04 * std::sin(2 * std::numbers::pi * frame / 50.0);
   AddArm(figure, person, -1, -0.8 * swing + idle, 0.14, 0.35);
   AddArm(figure, person, 1, 0.8 * swing - idle + 1.0 * person.wave, 0.14 + person.wave * (0.45 + 0.15 * waving),

@@ -105,7 +105,7 @@ class Builder {
     const int plain = AddMaterial("panel", {.pattern = Pattern::kPlain, .base = Rgb(176, 178, 172), .contrast = 0});
     const int frame = AddMaterial("panel frame", {.base = Rgb(56, 50, 46), .accent = Rgb(74, 66, 58), .contrast = 0.2});
     const Vector3d middle(Draw("panel", 0, -0.4, -0.2), Draw("panel", 1, -0.62, -0.52), kWall - 0.02);
-    const Vector3d half(Draw("panel", 2, 1.18, 1.26), Draw("panel", 3, 0.84, 0.9), 0.02);
+    const Vector3d half(Draw("panel", 2, 1.16, 1.2), Draw("panel", 3, 0.82, 0.86), 0.02);
     Add(Shape::Kind::kBox, Zone::kPanel, plain, middle, half);
     constexpr double kBar = 0.03;
     for (const double side : {-1.0, 1.0}) {
@@ -176,7 +176,7 @@ class Builder {
         "metal", {.base = Rgb(52, 54, 58), .accent = Rgb(82, 84, 88), .contrast = 0.16, .coarsest_m = 0.08});
     const int shade = AddMaterial(
         "shade", {.base = Rgb(220, 204, 160), .accent = Rgb(232, 222, 190), .contrast = 0.12, .coarsest_m = 0.08});
-    const Vector3d foot(Draw("lamp", 0, -1.0, -0.92), kFloor, Draw("lamp", 1, 4.1, 4.25));
+    const Vector3d foot(Draw("lamp", 0, -0.84, -0.76), kFloor, Draw("lamp", 1, 4.1, 4.25));
     const Vector3d top = foot + Vector3d(0, -2.1, 0);
     AddRod(foot, top, 0.0095, metal);
     Add(Shape::Kind::kCylinder, Zone::kCurved, metal, foot + Vector3d(0, -0.02, 0), Vector3d(0.15, 0.02, 0.15));

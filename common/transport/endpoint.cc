@@ -26,9 +26,14 @@ bool HasControlOrSpace(std::string_view text) {
 }  // namespace
 
 bool Endpoint::IsLoopback() const {
-  if (kind == Kind::kIpc || host == "localhost" || host == "[::1]") return true;
+  if (kind == Kind::kIpc || host == "localhost") return true;
   in_addr address{};
-  return inet_pton(AF_INET, host.c_str(), &address) == 1 && (ntohl(address.s_addr) >> 24U) == 127;
+  if (inet_pton(AF_INET, host.c_str(), &address) == 1) return (ntohl(address.s_addr) >> 24U) == 127;
+  in6_addr address6{};
+  if (!host.starts_with('[') || !host.ends_with(']')) return false;
+  if (inet_pton(AF_INET6, host.substr(1, host.size() - 2).c_str(), &address6) != 1) return false;
+  // A socket that takes both families reports 127.0.0.1 as ::ffff:127.0.0.1.
+  return IN6_IS_ADDR_LOOPBACK(&address6) || (IN6_IS_ADDR_V4MAPPED(&address6) && address6.s6_addr[12] == 127);
 }
 
 std::string Endpoint::ToString() const {

@@ -17,7 +17,7 @@ struct Endpoint {
   std::string port;  // tcp
   std::string path;  // ipc; "*": any free path
 
-  // localhost, 127.0.0.0/8 or ::1. An ipc endpoint is local by nature: true.
+  // localhost, 127.0.0.0/8 (also as ::ffff:127.x.x.x) or ::1. An ipc endpoint is local by nature: true.
   [[nodiscard]] bool IsLoopback() const;
   [[nodiscard]] std::string ToString() const;
 };

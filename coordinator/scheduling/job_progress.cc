@@ -125,6 +125,8 @@ void JobProgress::CommitFrame(int frame) {
     for (const TaskId& id : plan_.TasksOfGop(gop)) {
       const Task* task = table_.Find(id);
       if (task->artifact) ForgetProducer(id, task->artifact->key);
+      if (task->state != TaskState::kDone)
+        ++Stage(id.kind).tasks_done;  // done before, lost, and being made again for nobody
       table_.Remove(id);
     }
     open_gops_.erase(gop);

@@ -1,8 +1,10 @@
 #include "worker/media_cli/colour_command.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <ostream>
+#include <string>
 #include <vector>
 
 #include "common/files/atomic_file.h"
@@ -17,14 +19,23 @@ constexpr int kSheetColumns = 4;
 constexpr int kSheetGap = 8;             // pixels
 constexpr int kSheetPictureWidth = 640;  // larger pictures are shrunk to at most this
 
-Result<DepthCode> SharedRange(const DepthManifest& manifest) {
-  double z_near = manifest.cameras.front().z_near;
-  double z_far = manifest.cameras.front().z_far;
+// The colours of a folder span what its maps hold, not what its cameras could: a camera that stands close to the depth
+// planes has an own range of which the scene fills a sliver. Of every camera's first map, without its extreme 0.5 %.
+Result<DepthCode> SharedRange(const std::string& depth_dir, const DepthManifest& manifest) {
+  constexpr std::size_t kStep = 7;  // every 7th pixel is sample enough
+  std::vector<float> depths;
   for (const DepthManifestCamera& camera : manifest.cameras) {
-    z_near = std::min(z_near, camera.z_near);
-    z_far = std::max(z_far, camera.z_far);
+    DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap depth, ReadDepthOf(depth_dir, camera, 0));
+    for (std::size_t i = 0; i < depth.size(); i += kStep) {
+      if (depth.values()[i] > 0) depths.push_back(depth.values()[i]);
+    }
   }
-  return DepthCode::Create(z_near, z_far);
+  if (depths.empty()) return InvalidArgument(depth_dir + ": the first depth maps hold no depth");
+  std::sort(depths.begin(), depths.end());
+  const std::size_t tail = depths.size() / 200;
+  const double z_near = static_cast<double>(depths[tail]);
+  const double z_far = static_cast<double>(depths[depths.size() - 1 - tail]);
+  return DepthCode::Create(z_near, std::max(z_far, 1.1 * z_near));
 }
 
 Status WritePng(const std::filesystem::path& path, const RgbImage& picture) {
@@ -39,7 +50,7 @@ Status RunColour(const ColourCommandOptions& options, std::ostream& out) {
   if (manifest.cameras.empty() || manifest.cameras.front().files.empty()) {
     return InvalidArgument(options.depth_dir + ": depth.json lists no depth maps");
   }
-  DEPTHFARM_ASSIGN_OR_RETURN(const DepthCode range, SharedRange(manifest));
+  DEPTHFARM_ASSIGN_OR_RETURN(const DepthCode range, SharedRange(options.depth_dir, manifest));
   const std::filesystem::path output(options.output);
   std::vector<RgbImage> sheet;
   std::size_t written = 0;

@@ -7,7 +7,7 @@
 #include <exception>
 #include <functional>
 #include <iostream>
-#include <limits>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,14 +39,13 @@ bool ParsePair(const std::string& text, char separator, int* first, int* second)
 
 void AddScene(CLI::App* command, Action* action) {
   auto options = std::make_shared<depthfarm::SceneCommandOptions>();
-  command->add_option("kind", options->kind, "Arrangement of the cameras, e.g. arc")->required()->type_name("KIND");
+  command->add_option("kind", options->kind, "Arrangement of the cameras: arc, line, grid, irregular or mixed")
+      ->required()
+      ->type_name("KIND");
   command->add_option("-o,--output", options->output, "Folder to write: sequence.json, pictures, true depth")
       ->required()
       ->type_name("DIR");
-  command->add_option("--cameras", options->cameras, "Number of cameras")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
+  command->add_option("--cameras", options->cameras, "Number of cameras")->capture_default_str()->type_name("N");
   command
       ->add_option_function<std::string>(
           "--size",
@@ -59,20 +58,15 @@ void AddScene(CLI::App* command, Action* action) {
           "Size of the pictures, pixels")
       ->default_str("640x480")
       ->type_name("WxH");
-  command->add_option("--frames", options->frames, "Number of frames")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'000'000))
-      ->type_name("F");
+  command->add_option("--frames", options->frames, "Number of frames")->capture_default_str()->type_name("F");
   command->add_option("--seed", options->seed, "Same seed, same scene")->capture_default_str()->type_name("S");
   command->add_option("--noise", options->noise, "Standard deviation of the sensor noise, grey levels; 0 = none")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 64.0))
       ->type_name("SIGMA");
   command->add_option("--gain", options->gain, "Spread of the cameras' gains around 1; 0 = equal cameras")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 0.5))
       ->type_name("SPREAD");
-  command->add_option("--format", options->format, "Form of the pictures, e.g. png or yuv420p8")
+  command->add_option("--format", options->format, "Form of the pictures: png, yuv420p8 or yuv420p10le")
       ->capture_default_str()
       ->type_name("NAME");
   command->footer(
@@ -106,9 +100,9 @@ void AddEvaluate(CLI::App* command, Action* action) {
   command->add_flag("--json", options->json, "Print the figures as JSON");
   command->add_option("--pictures", options->pictures_dir, "Write the synthesised views and differences there")
       ->type_name("DIR");
-  command->add_option("--min-psnr", options->min_psnr, "Exit with 1 when the mean luma PSNR is below this, dB")
+  command
+      ->add_option("--min-psnr", options->min_psnr, "Exit with 1 when the mean luma PSNR is below this, dB; 0 = never")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 200.0))
       ->type_name("DB");
   command->footer(
       "A view that was left out is synthesised from its neighbours' pictures and depth and compared with its picture;\n"

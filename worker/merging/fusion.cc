@@ -22,6 +22,7 @@ class FusionCut {
   std::vector<std::uint8_t> Solve() {
     for (const SmoothnessLink& link : *problem_.smoothness) AddSmoothness(link);
     for (const int map : {0, 1}) AddMatches(map);
+    AddMatchesOfConstants();
     for (NodeIndex node = 0; node < problem_.num_nodes; ++node) {
       if (terminal_[node] != 0) flow_.AddTerminal(node, -terminal_[node]);
     }
@@ -60,6 +61,7 @@ class FusionCut {
     const std::vector<Level>& own = problem_.labels[map];
     const std::vector<Level>& other = problem_.labels[1 - map];
     for (NodeIndex node = 0; node < problem_.num_nodes; ++node) {
+      if (own[node] == other[node]) continue;  // a constant: AddMatchesOfConstants
       for (std::size_t slot = 0; slot < width; ++slot) {
         const MatchLink& match = problem_.matches[map][node * width + slot];
         if (match.reward == 0) continue;
@@ -72,6 +74,24 @@ class FusionCut {
         } else {
           AddPair(node, match.target, 0, 0, 0, -reward);
         }
+      }
+    }
+  }
+
+  // A node with one level in both maps (unchanged segments) is rewarded by what its target takes alone.
+  void AddMatchesOfConstants() {
+    const auto width = static_cast<std::size_t>(problem_.matches_per_node);
+    const std::vector<Level>& a = problem_.labels[0];
+    const std::vector<Level>& b = problem_.labels[1];
+    for (NodeIndex node = 0; node < problem_.num_nodes; ++node) {
+      if (a[node] != b[node]) continue;
+      for (std::size_t slot = 0; slot < width; ++slot) {
+        const MatchLink& match = problem_.matches[0][node * width + slot];
+        const std::int64_t reward = match.RewardUnits();
+        const bool agrees_in_first = a[match.target] == a[node];
+        const bool agrees_in_second = b[match.target] == a[node];
+        if (reward == 0 || agrees_in_first == agrees_in_second) continue;
+        terminal_[match.target] += agrees_in_first ? reward : -reward;
       }
     }
   }

@@ -14,7 +14,7 @@ struct FusionProblem {
   int matches_per_node = 0;  // D
   const std::vector<SmoothnessLink>* smoothness = nullptr;
   std::vector<Level> labels[2];       // per node; [0] the first map, [1] the second
-  std::vector<MatchLink> matches[2];  // [node][slot]: on the node's level in that map
+  std::vector<MatchLink> matches[2];  // [node][slot]: on the node's level in that map; equal where the levels are
 };
 
 struct FusionResult {

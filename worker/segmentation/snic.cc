@@ -67,7 +67,6 @@ class Growth {
     for (std::uint32_t pops = 0; !queue_.empty(); ++pops) {
       if (pops % kPopsBetweenStopChecks == 0 && stop.stop_requested()) return Cancelled();
       const SnicElement element = queue_.Pop();
-      if (!queue_.empty()) PrefetchAround(queue_.Top());
       PixelState& pixel = pixels_(element.x, element.y);
       if (pixel.waiting == kLabelled) continue;
       pixel.waiting = kLabelled;
@@ -87,11 +86,6 @@ class Growth {
   }
 
  private:
-  // Most often the next pixel to be served, anywhere in the picture: its memory arrives while this one is worked on.
-  void PrefetchAround(const SnicElement& element) const {
-    for (int y = element.y - 1; y <= element.y + 1; ++y) __builtin_prefetch(&pixels_(element.x, y), 1);
-  }
-
   void OfferNeighbours(int center_x, int center_y, SegmentIndex label, const Cluster& mean) {
     for (int y = center_y - 1; y <= center_y + 1; ++y) {
       const PixelState* row = pixels_.row(y);

@@ -33,9 +33,6 @@ class SnicQueue {
     SiftUp(heap_.size() - 1, element);
   }
 
-  // What Pop() would give. Requires !empty().
-  [[nodiscard]] const SnicElement& Top() const { return heap_.front(); }
-
   // Requires !empty().
   SnicElement Pop() {
     const SnicElement top = heap_.front();

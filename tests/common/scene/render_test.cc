@@ -56,30 +56,35 @@ double Luma(const RgbImage& rgb, int x, int y) {
 class TwoViews : public testing::TestWithParam<ArrayKind> {
  protected:
   const Scene scene_ = MakeScene(3);
-  const std::vector<Camera> cameras_ = MakeArray(GetParam(), 6, 480, 360, 3);
+  const std::vector<Camera> cameras_ = MakeArray(GetParam(), 6, 320, 240, 3);
   const RenderedView source_ = RenderView(scene_, cameras_[2], 5, kClean);
   const RenderedView target_ = RenderView(scene_, cameras_[3], 5, kClean);
   const Reprojection target_from_source_{cameras_[2], cameras_[3]};
 };
 
 TEST_P(TwoViews, AgreeOnTheDepthOfPlanes) {
-  // 1/z is affine over a plane, so interpolating it is exact; only creases and steps between planes of one zone may
-  // differ.
+  // 1/z is affine over a plane, so interpolating it is exact; only where a zone's planes meet or hide each other (edges
+  // of crates, the frame on the wall, floor and curtain) may it differ. The panel is one plane.
   int compared = 0;
   int wrong = 0;
+  int wrong_panel = 0;
   for (int y = 0; y < source_.depth.height(); ++y) {
     for (int x = 0; x < source_.depth.width(); ++x) {
       const std::uint8_t zone = source_.zones(x, y);
       if (zone == static_cast<int>(Zone::kPerson) || zone == static_cast<int>(Zone::kCurved)) continue;
+      if (zone == static_cast<int>(Zone::kThin)) continue;
       const std::optional<Landing> at = Land(target_from_source_, source_, target_, x, y);
       if (!at || !AllOfZone(target_.zones, *at, zone)) continue;
       const double seen = 1 / Interpolated(*at, [&](int u, int v) { return 1 / target_.depth(u, v); });
+      const bool differs = std::abs(seen - at->depth) > 1e-6 * seen;
       ++compared;
-      wrong += static_cast<int>(std::abs(seen - at->depth) > 1e-5 * seen);
+      wrong += static_cast<int>(differs);
+      wrong_panel += static_cast<int>(differs && zone == static_cast<int>(Zone::kPanel));
     }
   }
   EXPECT_GT(compared, 0.5 * static_cast<double>(source_.depth.size()));
-  EXPECT_LT(wrong, 0.02 * compared);
+  EXPECT_LT(wrong, 0.04 * compared);
+  EXPECT_EQ(wrong_panel, 0);
 }
 
 TEST_P(TwoViews, AgreeOnTheDepthOfPersonsAndRoundThings) {
@@ -96,7 +101,7 @@ TEST_P(TwoViews, AgreeOnTheDepthOfPersonsAndRoundThings) {
       wrong += static_cast<int>(std::abs(seen - at->depth) > 0.01);  // a centimetre: curvature within a pixel
     }
   }
-  EXPECT_GT(compared, 5000);
+  EXPECT_GT(compared, 2000);
   EXPECT_LT(wrong, 0.12 * compared);  // limbs before limbs, rims
 }
 

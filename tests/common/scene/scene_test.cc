@@ -21,7 +21,7 @@ struct Case {
 };
 constexpr Case kCases[] = {{ArrayKind::kArc, 8, 1},  {ArrayKind::kArc, 5, 2},       {ArrayKind::kLine, 8, 3},
                            {ArrayKind::kGrid, 9, 4}, {ArrayKind::kIrregular, 6, 5}, {ArrayKind::kMixed, 6, 6},
-                           {ArrayKind::kArc, 40, 7}};
+                           {ArrayKind::kArc, 24, 7}};
 
 double Share(const ZoneMap& zones, Zone zone) {
   const auto count = std::count(zones.values().begin(), zones.values().end(), static_cast<std::uint8_t>(zone));
@@ -31,7 +31,7 @@ double Share(const ZoneMap& zones, Zone zone) {
 TEST(Scene, EveryViewShowsEveryZoneAndNothingElse) {
   for (const Case& c : kCases) {
     const Scene scene = MakeScene(c.seed);
-    for (const Camera& camera : MakeArray(c.kind, c.cameras, 320, 240, c.seed)) {
+    for (const Camera& camera : MakeArray(c.kind, c.cameras, 160, 120, c.seed)) {
       const ZoneMap zones = RenderView(scene, camera, 0, kFast).zones;
       SCOPED_TRACE(testing::Message() << "seed " << c.seed << " " << camera.name);
       EXPECT_EQ(Share(zones, Zone::kUnknown), 0);
@@ -48,11 +48,11 @@ TEST(Scene, EveryViewShowsEveryZoneAndNothingElse) {
 TEST(Scene, PanelTakesAboutATenthOfThePictureInAllFrames) {
   for (const Case& c : kCases) {
     const Scene scene = MakeScene(c.seed);
-    const std::vector<Camera> cameras = MakeArray(c.kind, c.cameras, 320, 240, c.seed);
+    const std::vector<Camera> cameras = MakeArray(c.kind, c.cameras, 160, 120, c.seed);
     for (const int frame : {0, 16, 40}) {
       for (const Camera& camera : {cameras.front(), cameras.back()}) {
         const double share = Share(RenderView(scene, camera, frame, kFast).zones, Zone::kPanel);
-        EXPECT_GE(share, 0.075) << "seed " << c.seed << " " << camera.name;
+        EXPECT_GE(share, 0.08) << "seed " << c.seed << " " << camera.name;
         EXPECT_LE(share, 0.13) << "seed " << c.seed << " " << camera.name;
       }
     }
@@ -97,7 +97,7 @@ TEST(Scene, EverythingVisibleLiesBetweenNearAndFar) {
     const DepthLevels levels = DepthLevels::Create(reference, range->z_near, range->z_far, 2).value();
     double nearest = range->z_far;
     double farthest = range->z_near;
-    for (const int frame : {0, 13, 39}) {
+    for (const int frame : {0, 39}) {
       for (const Camera& camera : cameras) {
         const LevelsInView in_view(camera, levels);
         const DepthMap depth = RenderView(scene, camera, frame, kFast).depth;

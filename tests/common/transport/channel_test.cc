@@ -9,7 +9,7 @@
 #include "common/transport/context.h"
 #include "common/transport/poller.h"
 #include "common/transport/server_channel.h"
-#include "tests/common/transport/scratch_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace depthfarm {
 namespace {
@@ -47,7 +47,7 @@ std::optional<PeerMessage> Next(ServerChannel& server, milliseconds patience = k
 
 TEST(Channel, RequestsAndAnswersCrossTcpAndIpc) {
   TransportContext context;
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   for (const std::string& endpoint : {std::string("tcp://127.0.0.1:*"), "ipc://" + (folder.path() / "s").string()}) {
     const auto server = Bound(context, endpoint);
     EXPECT_EQ(server->endpoint().find('*'), std::string::npos);

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "common/transport/farm_keys.h"
-#include "tests/common/transport/scratch_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace depthfarm {
 namespace {
@@ -26,7 +26,7 @@ TEST(CurveKeys, OtherTextIsNoKey) {
 }
 
 TEST(KeyFiles, ASecretComesBackAndIsClosedToOthers) {
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   const std::string secret = GenerateCurveKeys()->secret_key;
   ASSERT_TRUE(WriteSecretKey(folder.path() / "a.key", secret).ok());
   struct stat info {};
@@ -38,7 +38,7 @@ TEST(KeyFiles, ASecretComesBackAndIsClosedToOthers) {
 }
 
 TEST(KeyFiles, ASecretOpenToGroupOrOthersIsRefused) {
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   const auto file = folder.path() / "a.key";
   ASSERT_TRUE(WriteSecretKey(file, GenerateCurveKeys()->secret_key).ok());
   for (const mode_t mode : {0640, 0604, 0620, 0602}) {
@@ -50,14 +50,14 @@ TEST(KeyFiles, ASecretOpenToGroupOrOthersIsRefused) {
 }
 
 TEST(KeyFiles, AreNeverReplaced) {
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   ASSERT_TRUE(WritePublicKey(folder.path() / "a.pub", GenerateCurveKeys()->public_key).ok());
   EXPECT_EQ(WritePublicKey(folder.path() / "a.pub", GenerateCurveKeys()->public_key).code(),
             ErrorCode::kInvalidArgument);
 }
 
 TEST(KeyFiles, RubbishIsRefused) {
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   std::ofstream(folder.path() / "a.pub") << "not a key\n";
   EXPECT_EQ(ReadPublicKey(folder.path() / "a.pub").status().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(ReadPublicKey(folder.path() / "absent").status().code(), ErrorCode::kInvalidArgument);
@@ -65,7 +65,7 @@ TEST(KeyFiles, RubbishIsRefused) {
 }
 
 TEST(FarmKeys, CreatedOnesServeAllThreePrograms) {
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   const auto dir = folder.path() / "keys";
   ASSERT_TRUE(CreateFarmKeys(dir).ok());
   const Result<CoordinatorKeys> coordinator = ReadCoordinatorKeys(dir);
@@ -82,7 +82,7 @@ TEST(FarmKeys, CreatedOnesServeAllThreePrograms) {
 }
 
 TEST(FarmKeys, AWorkerWithoutTheListTrustsItsOwnKeyAlone) {
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   ASSERT_TRUE(CreateFarmKeys(folder.path()).ok());
   std::filesystem::remove(folder.path() / "authorized");
   const Result<WorkerKeys> worker = ReadWorkerKeys(folder.path());
@@ -91,7 +91,7 @@ TEST(FarmKeys, AWorkerWithoutTheListTrustsItsOwnKeyAlone) {
 }
 
 TEST(Authorized, ErrorsNameTheLine) {
-  const ScratchFolder folder;
+  const testing_support::TemporaryFolder folder;
   const auto file = folder.path() / "authorized";
   const std::string key = GenerateCurveKeys()->public_key;
   const auto message = [&](const std::string& text) {

@@ -86,9 +86,9 @@ TEST(Scheduler, ReissuesATaskWhenItsLeaseExpires) {
   farm.At(first).running.clear();  // the grant was lost: heartbeats go on and do not name it
   farm.PassWithBeats(kLease);
   EXPECT_EQ(farm.CountNotes("lease_expired"), 1);
-  EXPECT_TRUE(std::any_of(farm.grants.begin() + 1, farm.grants.end(), [&](const Grant& grant) {
-    return grant.task.spec.id == task && grant.worker == second && grant.attempt == 2;
-  }));
+  farm.Finish(second);
+  EXPECT_EQ(farm.Running(second).task.spec.id, task);
+  EXPECT_EQ(farm.Running(second).attempt, 2);
 }
 
 TEST(Scheduler, HeartbeatsKeepALeaseAlive) {

@@ -8,7 +8,7 @@
 namespace depthfarm {
 namespace {
 
-constexpr int kSeeds = 300;
+constexpr int kSeeds = 200;
 constexpr int kSteps = 400;
 
 // Workers that work, fail, fall silent, come back, lose artifacts, leave; jobs that are cancelled; all in random order.
@@ -106,7 +106,7 @@ TEST(FarmSimulation, EveryJobEndsAndNothingIsKeptWhateverHappens) {
     for (const auto& [id, job] : farm.ended) {
       EXPECT_EQ(job.determinism_violations, 0U);
       EXPECT_TRUE(job.running.empty());
-      if (patient) EXPECT_NE(job.state, JobState::kFailed) << job.error.message();
+      EXPECT_FALSE(patient && job.state == JobState::kFailed) << job.error.message();
       if (job.state != JobState::kDone) continue;
       ++done;
       EXPECT_EQ(job.frames_done, job.frames_total);

@@ -22,8 +22,10 @@ void MakeRandomMaps(Random& random, int nodes_per_view, bool interleaved, Random
   FusionProblem& problem = maps.problem;
   problem.num_nodes = static_cast<NodeIndex>(num_nodes);
   problem.matches_per_node = 1;
+  std::vector<bool> is_unchanged;
   for (int node = 0; node < num_nodes; ++node) {
     const bool unchanged = random.Chance(10);
+    is_unchanged.push_back(unchanged);
     const int kept = random.Int(0, 19);
     for (const int map : {0, 1}) {
       const int level = interleaved ? 2 * random.Int(0, 9) + map : 10 * map + random.Int(0, 9);
@@ -35,7 +37,11 @@ void MakeRandomMaps(Random& random, int nodes_per_view, bool interleaved, Random
       const int other = node < nodes_per_view ? nodes_per_view : 0;
       const auto target = static_cast<NodeIndex>(other + random.Int(0, nodes_per_view - 1));
       problem.matches[map].push_back({target, static_cast<std::uint16_t>(random.Chance(30) ? 0 : random.Int(1, 270))});
-      if (random.Chance(60)) problem.labels[map][target] = problem.labels[map][static_cast<std::size_t>(node)];
+      if (map == 1 && is_unchanged[static_cast<std::size_t>(node)])
+        problem.matches[1].back() = problem.matches[0][static_cast<std::size_t>(node)];
+      const bool both_change = !is_unchanged[static_cast<std::size_t>(node)] && !is_unchanged[target];
+      if (both_change && random.Chance(60))
+        problem.labels[map][target] = problem.labels[map][static_cast<std::size_t>(node)];
     }
   }
   for (int view = 0; view < 2; ++view) {

@@ -1,0 +1,81 @@
+#ifndef DEPTHFARM_COORDINATOR_CLI_ARGUMENTS_H_
+#define DEPTHFARM_COORDINATOR_CLI_ARGUMENTS_H_
+
+#include <cstdint>
+#include <string>
+#include <variant>
+
+#include "coordinator/cli/estimation_options.h"
+
+namespace depthfarm {
+
+// What a job is made of, as the command line names it.
+struct JobArguments {
+  std::string sequence;
+  std::string output_dir;
+  bool allow_outside = false;
+  EstimationArguments estimation;
+};
+
+// How to reach a coordinator.
+struct FarmArguments {
+  std::string coordinator = "tcp://127.0.0.1:7700";
+  std::string keys;  // folder with client.key and coordinator.pub
+  bool insecure = false;
+  double timeout_seconds = 10;  // for one answer
+};
+
+struct LocalFarmArguments {
+  int workers = 0;             // 0: one per core
+  std::string worker_log_dir;  // empty: the private temporary folder
+  std::string log_level = "info";
+};
+
+struct DemoArguments {
+  std::string output_dir = "depthfarm-demo";
+};
+struct RunArguments {
+  JobArguments job;
+  LocalFarmArguments farm;
+  bool json = false;
+};
+struct SubmitArguments {
+  JobArguments job;
+  FarmArguments farm;
+  int priority = 0;
+  std::string name;  // empty: the sequence's
+  bool wait = false;
+  bool json = false;
+};
+struct StatusArguments {
+  FarmArguments farm;
+  std::uint64_t job = 0;
+  bool json = false;
+};
+struct WatchArguments {
+  FarmArguments farm;
+  std::uint64_t job = 0;
+  bool json = false;
+};
+struct JobsArguments {
+  FarmArguments farm;
+  bool json = false;
+};
+struct CancelArguments {
+  FarmArguments farm;
+  std::uint64_t job = 0;
+};
+struct WorkersArguments {
+  FarmArguments farm;
+  bool json = false;
+};
+struct KeygenArguments {
+  std::string output_dir;
+};
+
+using CommandArguments = std::variant<DemoArguments, RunArguments, SubmitArguments, StatusArguments, WatchArguments,
+                                      JobsArguments, CancelArguments, WorkersArguments, KeygenArguments>;
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_CLI_ARGUMENTS_H_

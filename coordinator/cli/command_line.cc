@@ -1,0 +1,253 @@
+#include "coordinator/cli/command_line.h"
+
+#include <CLI/CLI.hpp>  // the only file that includes it: 10 s to compile
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <memory>
+#include <sstream>
+#include <thread>
+
+#include "coordinator/cli/exit_codes.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr const char* kVersion = DEPTHFARM_VERSION;
+
+constexpr const char* kOverview =
+    "Depth maps of multi-camera sequences, estimated together and consistently, on one machine or a farm.\n"
+    "Start with: depthfarm demo";
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done, 1 failed, 2 bad usage or bad input, 3 no coordinator, 130 interrupted.\n"
+    "Help of a command: depthfarm COMMAND --help";
+
+// Commands that touch pixels; this program stays light and executes another one for them.
+struct MediaCommand {
+  const char* name;
+  const char* summary;
+};
+constexpr auto kMediaCommands = std::to_array<MediaCommand>({
+    {"scene", "Render a synthetic multi-camera sequence with exact depth"},
+    {"evaluate", "Quality of depth maps: virtual views, ground truth, consistency"},
+    {"colour", "Colour pictures of depth maps"},
+});
+
+void AddEstimationOptions(CLI::App& app, EstimationArguments& estimation) {
+  const char* group = "Estimation options";
+  app.add_option("--preset", estimation.preset,
+                 "Values to start from: default, or paper (250 levels, n = 1, the paper to the letter)")
+      ->type_name("default|paper")
+      ->group(group);
+  app.add_option(
+         "--params", estimation.params_file,
+         "JSON object of option names and values, e.g. {\"levels\": 64, \"frames\": \"0:50\"}; explicit options win")
+      ->type_name("FILE")
+      ->group(group);
+  for (const EstimationOption& option : EstimationOptions()) {
+    const std::string name(option.name);
+    const auto keep = [&estimation, name](const std::string& text) { estimation.values.emplace_back(name, text); };
+    app.add_option_function<std::string>("--" + name, keep, std::string(option.help))
+        ->type_name(std::string(option.value))
+        ->group(group);
+  }
+}
+
+void AddJobOptions(CLI::App& app, JobArguments& job) {
+  app.add_option("SEQUENCE", job.sequence, "JSON file of cameras and pictures")->required()->type_name("");
+  app.add_option("-o,--output", job.output_dir, "Output folder: DIR/depth/CAMERA/FRAME.png, DIR/depth.json")
+      ->required()
+      ->type_name("DIR");
+  app.add_flag("--allow-outside", job.allow_outside, "Accept picture paths that leave the folder of SEQUENCE");
+  AddEstimationOptions(app, job.estimation);
+}
+
+void AddFarmOptions(CLI::App& app, FarmArguments& farm) {
+  const char* group = "Farm";
+  app.add_option("--coordinator", farm.coordinator, "Address of the coordinator")
+      ->type_name("tcp://HOST:PORT")
+      ->capture_default_str()
+      ->envname("DEPTHFARM_COORDINATOR")
+      ->group(group);
+  app.add_option("--keys", farm.keys, "Folder with client.key and coordinator.pub, see depthfarm keygen")
+      ->type_name("DIR")
+      ->envname("DEPTHFARM_KEYS")
+      ->group(group);
+  app.add_flag("--insecure", farm.insecure, "No encryption and no keys: loopback addresses only")->group(group);
+  app.add_option("--timeout", farm.timeout_seconds, "Seconds to wait for an answer of the coordinator")
+      ->type_name("S")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str()
+      ->group(group);
+}
+
+void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }
+
+void AddJobId(CLI::App& app, std::uint64_t& job) {
+  // Not CLI11's own conversion, which takes -1 for a number of 20 digits.
+  const auto parse = [&job](const std::string& text) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), job);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      throw CLI::ValidationError("JOB", "'" + text + "' is not a job number");
+    }
+  };
+  app.add_option_function<std::string>("JOB", parse, "Number that submit printed")->required()->type_name("");
+}
+
+void DefineDemo(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<DemoArguments>();
+  app.add_option("-o,--output", arguments.output_dir, "Output folder")->type_name("DIR")->capture_default_str();
+  app.footer(
+      "Renders a scene of 5 cameras (512x384, 6 frames), estimates its depth on a local farm of two workers, measures\n"
+      "the quality and writes colour pictures. Takes a minute or two.\n"
+      "Example: depthfarm demo -o /tmp/demo");
+}
+
+void DefineRun(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<RunArguments>();
+  AddJobOptions(app, arguments.job);
+  const char* group = "Local farm";
+  app.add_option("--workers", arguments.farm.workers, "Worker processes; default: one per core")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024))
+      ->group(group);
+  app.add_option("--worker-log-dir", arguments.farm.worker_log_dir,
+                 "Keep the logs of coordinator and workers in this folder; default: a temporary one, removed")
+      ->type_name("DIR")
+      ->group(group);
+  app.add_option("--log-level", arguments.farm.log_level, "Of coordinator and workers")
+      ->type_name("LEVEL")
+      ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
+      ->capture_default_str()
+      ->group(group);
+  AddJsonFlag(app, arguments.json);
+  app.footer(
+      "Starts a coordinator and workers on this machine, waits for the job, writes DIR/run.json (times, memory) and\n"
+      "stops everything. Ctrl-C cancels and cleans up. The depth is the same bytes whatever --workers is.\n"
+      "Examples:\n"
+      "  depthfarm run ballet/cameras.json -o out\n"
+      "  depthfarm run array.json -o out --workers 8 --frames 0:50 --levels 128\n"
+      "  depthfarm run array.json -o out --preset paper --level-blocks 4 --partition blocks");
+}
+
+void DefineSubmit(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<SubmitArguments>();
+  AddJobOptions(app, arguments.job);
+  AddFarmOptions(app, arguments.farm);
+  app.add_option("--priority", arguments.priority, "Jobs of higher priority go first")
+      ->type_name("P")
+      ->check(CLI::Range(-1000, 1000))
+      ->capture_default_str();
+  app.add_option("--name", arguments.name, "Name of the job; default: the sequence's")->type_name("S");
+  app.add_flag("--wait", arguments.wait, "Wait for the end of the job, showing progress");
+  AddJsonFlag(app, arguments.json);
+  app.footer(
+      "Prints the number of the job. Pictures and DIR are paths that every worker must see under the same name.\n"
+      "Example: depthfarm submit array.json -o /shared/out --coordinator tcp://head:7700 --keys ~/farm-keys");
+}
+
+void DefineStatus(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<StatusArguments>();
+  AddJobId(app, arguments.job);
+  AddFarmOptions(app, arguments.farm);
+  AddJsonFlag(app, arguments.json);
+  app.footer("Example: depthfarm status 3 --json");
+}
+
+void DefineWatch(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<WatchArguments>();
+  AddJobId(app, arguments.job);
+  AddFarmOptions(app, arguments.farm);
+  AddJsonFlag(app, arguments.json);
+  app.footer(
+      "Shows progress until the job ends; exit code 0 when it is done, 1 (or 2: its input is bad) when it failed or "
+      "was\n"
+      "cancelled. Ctrl-C stops watching, not the job.\n"
+      "Example: depthfarm watch 3");
+}
+
+void DefineJobs(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<JobsArguments>();
+  AddFarmOptions(app, arguments.farm);
+  AddJsonFlag(app, arguments.json);
+  app.footer("Example: depthfarm jobs --coordinator tcp://head:7700 --keys ~/farm-keys");
+}
+
+void DefineCancel(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<CancelArguments>();
+  AddJobId(app, arguments.job);
+  AddFarmOptions(app, arguments.farm);
+  app.footer("Frames that are complete stay in the output folder.\nExample: depthfarm cancel 3");
+}
+
+void DefineWorkers(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<WorkersArguments>();
+  AddFarmOptions(app, arguments.farm);
+  AddJsonFlag(app, arguments.json);
+  app.footer("Example: depthfarm workers --json");
+}
+
+void DefineKeygen(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<KeygenArguments>();
+  app.add_option("-o,--output", arguments.output_dir, "Folder for the keys; must not hold keys yet")
+      ->required()
+      ->type_name("DIR");
+  app.footer(
+      "Makes key pairs for coordinator, workers and clients and the list of those who may do what (authorized).\n"
+      "Give coordinator.key to the coordinator's host only, worker.key to worker hosts, client.key to submitters;\n"
+      "*.pub and authorized may be read by all.\n"
+      "Example: depthfarm keygen -o ~/farm-keys");
+}
+
+struct Command {
+  const char* name;
+  const char* summary;
+  // Adds the command's options and puts its arguments, where their values will go, into `storage`.
+  void (*define)(CLI::App& app, CommandArguments& storage);
+};
+constexpr auto kCommands = std::to_array<Command>({
+    {"demo", "Render a small scene, estimate its depth, measure and colour it: start here", DefineDemo},
+    {"run", "Estimate depth on this machine", DefineRun},
+    {"submit", "Hand a job to a farm; prints its number", DefineSubmit},
+    {"status", "State of a job", DefineStatus},
+    {"watch", "Progress of a job until it ends", DefineWatch},
+    {"jobs", "All jobs of a farm", DefineJobs},
+    {"cancel", "End a job", DefineCancel},
+    {"workers", "Workers of a farm", DefineWorkers},
+    {"keygen", "Make the keys of a farm", DefineKeygen},
+});
+
+}  // namespace
+
+bool IsMediaCommand(const std::string& command) {
+  return std::ranges::any_of(kMediaCommands, [&](const MediaCommand& media) { return command == media.name; });
+}
+
+std::variant<CommandArguments, CommandLineExit> ParseCommandLine(const std::vector<std::string>& words) {
+  CLI::App app(kOverview, "depthfarm");
+  app.set_version_flag("--version", std::string("depthfarm ") + kVersion);
+  app.require_subcommand(1);
+  app.footer(kExitCodes);
+  std::array<CommandArguments, kCommands.size()> arguments;
+  std::array<CLI::App*, kCommands.size()> commands{};
+  for (std::size_t i = 0; i < kCommands.size(); ++i) {
+    commands[i] = app.add_subcommand(kCommands[i].name, kCommands[i].summary);
+    kCommands[i].define(*commands[i], arguments[i]);
+  }
+  for (const MediaCommand& media : kMediaCommands) app.add_subcommand(media.name, media.summary);
+  try {
+    std::vector<std::string> reversed(words.rbegin(), words.rend());  // the order CLI11 asks for
+    app.parse(std::move(reversed));
+  } catch (const CLI::ParseError& outcome) {
+    std::ostringstream output;
+    std::ostringstream error;
+    const int code = app.exit(outcome, output, error);
+    return CommandLineExit{code == 0 ? kExitOk : kExitBadInput, output.str(), error.str()};
+  }
+  for (std::size_t i = 0; i < kCommands.size(); ++i) {
+    if (commands[i]->parsed()) return std::move(arguments[i]);
+  }
+  return CommandLineExit{kExitBadInput, "", "expected a command, see depthfarm --help\n"};
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,94 @@
+#include "coordinator/cli/job_request.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "common/sequence/read_sequence.h"
+
+namespace depthfarm {
+namespace {
+
+std::string SizeOf(const Camera& camera) { return std::to_string(camera.width) + "x" + std::to_string(camera.height); }
+
+std::string WithThousands(long number) {
+  std::string digits = std::to_string(number);
+  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), ",");
+  return digits;
+}
+
+std::string BlocksText(const ResolvedJob& job) {
+  std::string text = "n = " + std::to_string(job.level_blocks_i);
+  if (job.params.gop > 1 && job.num_frames > 1 && job.level_blocks_p != job.level_blocks_i) {
+    text += " (P frames " + std::to_string(job.level_blocks_p) + ")";
+  }
+  if (job.level_blocks_i > 1) {
+    text += job.params.partition == Partition::kInterleaved ? " interleaved" : " blocks";
+  }
+  return text;
+}
+
+}  // namespace
+
+Status CheckPictures(const Sequence& sequence, const ResolvedJob& job) {
+  for (int frame = 0; frame < job.num_frames; ++frame) {
+    const int sequence_frame = job.params.first_frame + frame;
+    for (const JobView& view : job.views) {
+      const auto source = std::ranges::find(sequence.cameras, view.camera.name,
+                                            [](const SequenceCamera& camera) { return camera.camera.name; });
+      if (source == sequence.cameras.end() || sequence_frame >= static_cast<int>(source->images.size())) continue;
+      const std::string& file = source->images[static_cast<std::size_t>(sequence_frame)];
+      std::error_code error;
+      if (std::filesystem::is_regular_file(file, error)) continue;
+      const std::string reason = error ? error.message() : "not a regular file";
+      return InvalidArgument("camera '" + view.camera.name + "', frame " + std::to_string(sequence_frame) +
+                             ": picture " + file + ": " + reason);
+    }
+  }
+  return {};
+}
+
+Status CheckOutputFolder(const std::string& output_dir) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path folder(output_dir);
+  const fs::file_status status = fs::status(folder, error);
+  if (!fs::exists(status)) return {};
+  if (!fs::is_directory(status)) return InvalidArgument("output folder " + output_dir + " is a file");
+  const bool has_depth = fs::exists(folder / "depth", error);
+  const bool ours = fs::exists(folder / "depth.json", error) || fs::exists(folder / ".depthfarm-job", error);
+  if (has_depth && !ours) {
+    return InvalidArgument("output folder " + output_dir +
+                           " has a 'depth' that no job of depthfarm made; choose another folder or remove it");
+  }
+  return {};
+}
+
+std::string DescribeJob(const ResolvedJob& job) {
+  long segments = 0;
+  for (const JobView& view : job.views) segments += view.segments;
+  const Camera& first = job.views.front().camera;
+  const bool same_size = std::ranges::all_of(job.views, [&](const JobView& view) {
+    return view.camera.width == first.width && view.camera.height == first.height;
+  });
+  const int first_frame = job.params.first_frame;
+  return std::to_string(job.num_views()) + " views " + (same_size ? SizeOf(first) : "of different sizes") + ", " +
+         WithThousands(segments) + " segments, " + std::to_string(job.params.levels) + " levels, " + BlocksText(job) +
+         ", frames " + std::to_string(first_frame) + " to " + std::to_string(first_frame + job.num_frames - 1);
+}
+
+Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {
+  JobRequest request;
+  DEPTHFARM_ASSIGN_OR_RETURN(request.params, BuildEstimationParams(arguments.estimation));
+  DEPTHFARM_ASSIGN_OR_RETURN(request.sequence,
+                             ReadSequence(arguments.sequence, {.allow_outside = arguments.allow_outside}));
+  DEPTHFARM_ASSIGN_OR_RETURN(request.resolved, ResolveJob(request.sequence, request.params));
+  DEPTHFARM_RETURN_IF_ERROR(CheckPictures(request.sequence, request.resolved));
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(arguments.output_dir, error);
+  if (error) return InvalidArgument("output folder " + arguments.output_dir + ": " + error.message());
+  request.output_dir = absolute.lexically_normal().string();
+  DEPTHFARM_RETURN_IF_ERROR(CheckOutputFolder(request.output_dir));
+  return request;
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,138 @@
+#include "coordinator/cli/local_farm.h"
+
+#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is POSIX
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <fstream>
+#include <iostream>
+#include <utility>
+
+namespace depthfarm {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::chrono::milliseconds kStopGrace{3000};
+constexpr std::size_t kTailLines = 8;
+// A Unix socket address takes 107 bytes; what comes after the folder's name needs the rest.
+constexpr std::size_t kMaxTemporaryRoot = 60;
+
+// Not $XDG_RUNTIME_DIR: that is a small file system in memory, and the caches of a long run do not fit.
+fs::path TemporaryRoot() {
+  const char* root = std::getenv("TMPDIR");
+  if (root == nullptr || root[0] != '/' || std::strlen(root) > kMaxTemporaryRoot) return "/tmp";
+  return root;
+}
+
+Result<fs::path> MakePrivateFolder() {
+  std::string pattern = (TemporaryRoot() / "depthfarm-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr) {
+    return Unavailable("cannot make a temporary folder " + pattern + ": " + std::strerror(errno));
+  }
+  return fs::path(pattern);
+}
+
+std::string Tail(const fs::path& log) {
+  std::ifstream file(log);
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back(std::move(line));
+    if (lines.size() > kTailLines) lines.pop_front();
+  }
+  std::string text;
+  for (const std::string& line : lines) text += "    " + line + "\n";
+  return text;
+}
+
+}  // namespace
+
+LocalFarm::LocalFarm(LocalFarmOptions options, fs::path folder)
+    : options_(std::move(options)),
+      folder_(std::move(folder)),
+      endpoint_("ipc://" + (folder_ / "coordinator").string()) {
+  if (options_.log_dir.empty()) options_.log_dir = folder_ / "logs";
+}
+
+Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(const LocalFarmOptions& options) {
+  DEPTHFARM_ASSIGN_OR_RETURN(fs::path folder, MakePrivateFolder());
+  std::unique_ptr<LocalFarm> farm(new LocalFarm(options, std::move(folder)));
+  DEPTHFARM_RETURN_IF_ERROR(farm->StartProcesses());
+  return farm;
+}
+
+Status LocalFarm::StartProcesses() {
+  std::error_code error;
+  fs::create_directories(options_.log_dir, error);
+  if (error) return Unavailable("cannot make log folder " + options_.log_dir.string() + ": " + error.message());
+  DEPTHFARM_ASSIGN_OR_RETURN(const fs::path coordinator_program, SiblingProgram("depthfarm-coordinator"));
+  DEPTHFARM_ASSIGN_OR_RETURN(worker_program_, SiblingProgram("depthfarm-worker"));
+  DEPTHFARM_ASSIGN_OR_RETURN(
+      ChildProcess coordinator,
+      ChildProcess::Start(coordinator_program, {"--listen", endpoint_, "--log-level", options_.log_level},
+                          LogOf("coordinator")));
+  coordinator_ = std::make_unique<ChildProcess>(std::move(coordinator));
+  for (int i = 1; i <= options_.workers; ++i) {
+    const std::string name = "worker-" + std::to_string(i);
+    DEPTHFARM_ASSIGN_OR_RETURN(ChildProcess process, StartWorker(name));
+    workers_.push_back({name, std::move(process)});
+  }
+  return {};
+}
+
+Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
+  return ChildProcess::Start(worker_program_,
+                             {"--coordinator", endpoint_, "--cache-dir", (folder_ / (name + "-cache")).string(),
+                              "--exit-with-parent", "--log-level", options_.log_level},
+                             LogOf(name));
+}
+
+LocalFarm::~LocalFarm() {
+  for (Worker& worker : workers_) worker.process.Signal(SIGTERM);
+  if (coordinator_) coordinator_->Signal(SIGTERM);
+  const auto deadline = std::chrono::steady_clock::now() + kStopGrace;
+  const auto left = [&] {
+    return std::max(std::chrono::milliseconds(1),
+                    std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()));
+  };
+  for (Worker& worker : workers_) worker.process.Stop(left());
+  if (coordinator_) coordinator_->Stop(left());
+  std::error_code ignored;  // nothing to be done about files that cannot be removed
+  fs::remove_all(folder_, ignored);
+}
+
+fs::path LocalFarm::LogOf(const std::string& name) const { return options_.log_dir / (name + ".log"); }
+
+bool LocalFarm::CoordinatorEnded() { return coordinator_->Poll().has_value(); }
+
+Status LocalFarm::Supervise() {
+  if (const std::optional<ProcessEnd> end = coordinator_->Poll()) {
+    return Internal("the coordinator " + Describe(*end) + "\n" + LogTails());
+  }
+  for (Worker& worker : workers_) {
+    const std::optional<ProcessEnd> end = worker.process.Poll();
+    if (!end) continue;
+    if (respawns_ >= options_.max_respawns) {
+      return Internal(worker.name + " " + Describe(*end) + "; workers have been started again " +
+                      std::to_string(respawns_) + " times already\n" + LogTails());
+    }
+    ++respawns_;
+    std::cerr << worker.name << " (process " << worker.process.pid() << ") " << Describe(*end)
+              << "; starting it again\n";
+    DEPTHFARM_ASSIGN_OR_RETURN(worker.process, StartWorker(worker.name));
+  }
+  return {};
+}
+
+std::string LocalFarm::LogTails() const {
+  std::string text = "  end of coordinator.log:\n" + Tail(LogOf("coordinator"));
+  for (const Worker& worker : workers_) text += "  end of " + worker.name + ".log:\n" + Tail(LogOf(worker.name));
+  return text;
+}
+
+}  // namespace depthfarm

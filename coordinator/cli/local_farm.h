@@ -1,0 +1,64 @@
+#ifndef DEPTHFARM_COORDINATOR_CLI_LOCAL_FARM_H_
+#define DEPTHFARM_COORDINATOR_CLI_LOCAL_FARM_H_
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "coordinator/cli/processes.h"
+
+namespace depthfarm {
+
+struct LocalFarmOptions {
+  int workers = 1;
+  std::filesystem::path log_dir;  // empty: in the private folder, gone with it
+  std::string log_level = "info";
+  int max_respawns = 5;  // of workers, in all
+};
+
+// A coordinator and workers on this machine, talking over sockets in a private folder (0700) that also holds the
+// workers' caches. Everything is gone when it ends, however it ends: processes by the kernel's parent-death signal if
+// need be.
+class LocalFarm {
+ public:
+  // kUnavailable: the programs are not beside this one, or the folder cannot be made.
+  [[nodiscard]] static Result<std::unique_ptr<LocalFarm>> Start(const LocalFarmOptions& options);
+  // Stops all processes and removes the folder.
+  ~LocalFarm();
+  LocalFarm(const LocalFarm&) = delete;
+  LocalFarm& operator=(const LocalFarm&) = delete;
+
+  [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
+  [[nodiscard]] int respawns() const { return respawns_; }
+  // Whether the coordinator has ended: no question will be answered any more.
+  [[nodiscard]] bool CoordinatorEnded();
+  // Looks after the processes: a worker that ended is started again. kInternal, with the ends of the logs, when the
+  // coordinator has ended or workers ended more often than allowed.
+  [[nodiscard]] Status Supervise();
+  // The last lines of each log, for the report of a failure.
+  [[nodiscard]] std::string LogTails() const;
+
+ private:
+  struct Worker {
+    std::string name;
+    ChildProcess process;
+  };
+  LocalFarm(LocalFarmOptions options, std::filesystem::path folder);
+  [[nodiscard]] Status StartProcesses();
+  [[nodiscard]] Result<ChildProcess> StartWorker(const std::string& name) const;
+  [[nodiscard]] std::filesystem::path LogOf(const std::string& name) const;
+
+  LocalFarmOptions options_;
+  std::filesystem::path folder_;
+  std::string endpoint_;
+  std::filesystem::path worker_program_;
+  std::unique_ptr<ChildProcess> coordinator_;
+  std::vector<Worker> workers_;
+  int respawns_ = 0;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_CLI_LOCAL_FARM_H_

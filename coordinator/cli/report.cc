@@ -1,0 +1,205 @@
+#include "coordinator/cli/report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <span>
+
+#include "common/wire/envelope.h"
+#include "common/wire/task_wire.h"
+
+namespace depthfarm {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+template <typename... Values>
+std::string Format(const char* format, Values... values) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
+std::string StageName(const v1::StageStatus& stage) {
+  const Result<TaskKind> kind = FromProto(stage.kind());
+  return kind.ok() ? TaskKindName(*kind) : "unknown";
+}
+
+// Columns as wide as their widest cell, two spaces apart; columns flagged in `right` are flush right.
+std::string FormatTable(const std::vector<std::vector<std::string>>& rows, const std::vector<bool>& right) {
+  std::vector<std::size_t> widths(right.size(), 0);
+  for (const auto& row : rows) {
+    for (std::size_t column = 0; column < row.size(); ++column) {
+      widths[column] = std::max(widths[column], row[column].size());
+    }
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t column = 0; column < row.size(); ++column) {
+      const std::string padding(widths[column] - row[column].size(), ' ');
+      if (column > 0) line += "  ";
+      line += right[column] ? padding + row[column] : row[column] + padding;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+struct TaskCount {
+  std::uint64_t done = 0;
+  std::uint64_t total = 0;
+};
+TaskCount CountTasks(const v1::JobStatus& job) {
+  TaskCount count;
+  for (const v1::StageStatus& stage : job.stages()) {
+    count.done += stage.tasks_done();
+    count.total += stage.tasks_total();
+  }
+  return count;
+}
+
+std::string FramesText(const v1::JobStatus& job) {
+  return std::to_string(job.frames_done()) + "/" + std::to_string(job.frames_total());
+}
+
+}  // namespace
+
+std::string JobStateName(v1::JobState state) {
+  switch (state) {
+    case v1::JOB_STATE_RUNNING:
+      return "running";
+    case v1::JOB_STATE_DONE:
+      return "done";
+    case v1::JOB_STATE_FAILED:
+      return "failed";
+    case v1::JOB_STATE_CANCELLED:
+      return "cancelled";
+    default:
+      return "unknown";
+  }
+}
+
+std::string FormatDuration(double seconds) {
+  if (seconds < 1) return Format("%.0f ms", seconds * 1000);
+  if (seconds < 60) return Format("%.1f s", seconds);
+  const long whole = std::lround(seconds);
+  if (whole < 3600) return Format("%ld min %02ld s", whole / 60, whole % 60);
+  return Format("%ld h %02ld min", whole / 3600, whole % 3600 / 60);
+}
+
+std::string FormatBytes(double bytes) {
+  const std::array<const char*, 5> units = {"B", "KiB", "MiB", "GiB", "TiB"};
+  std::size_t unit = 0;
+  while (bytes >= 1024 && unit + 1 < units.size()) {
+    bytes /= 1024;
+    ++unit;
+  }
+  return Format(bytes < 10 && unit > 0 ? "%.1f %s" : "%.0f %s", bytes, units[unit]);
+}
+
+OrderedJson JobToJson(const v1::JobStatus& job) {
+  OrderedJson stages = OrderedJson::array();
+  for (const v1::StageStatus& stage : job.stages()) {
+    stages.push_back({{"stage", StageName(stage)},
+                      {"tasksDone", stage.tasks_done()},
+                      {"tasksTotal", stage.tasks_total()},
+                      {"cpuSeconds", stage.cpu_seconds()},
+                      {"wallSeconds", stage.wall_seconds()},
+                      {"peakMemoryBytes", stage.peak_memory_bytes()},
+                      {"fetchedBytes", stage.fetched_bytes()},
+                      {"sweeps", stage.sweeps()},
+                      {"reused", stage.reused()}});
+  }
+  OrderedJson error = nullptr;
+  if (job.has_error() && job.error().code() != v1::CODE_OK) {
+    error = {{"code", std::string(ErrorCodeName(FromProto(job.error()).code()))}, {"message", job.error().message()}};
+  }
+  return {{"job", job.job_id()},
+          {"name", job.name()},
+          {"state", JobStateName(job.state())},
+          {"error", error},
+          {"framesDone", job.frames_done()},
+          {"framesTotal", job.frames_total()},
+          {"elapsedSeconds", job.elapsed_seconds()},
+          {"priority", job.priority()},
+          {"retries", job.retries()},
+          {"determinismViolations", job.determinism_violations()},
+          {"summary", job.summary()},
+          {"outputDir", job.output_dir()},
+          {"running", std::vector<std::string>(job.running().begin(), job.running().end())},
+          {"stages", stages}};
+}
+
+OrderedJson WorkerToJson(const v1::WorkerStatus& worker) {
+  return {{"worker", worker.worker_id()},
+          {"name", worker.name()},
+          {"version", worker.software_version()},
+          {"running", worker.running()},
+          {"secondsSinceHeard", worker.seconds_since_heard()},
+          {"tasksDone", worker.tasks_done()},
+          {"artifacts", worker.artifacts()},
+          {"artifactBytes", worker.artifact_bytes()}};
+}
+
+std::string FormatJob(const v1::JobStatus& job) {
+  std::string text = "job " + std::to_string(job.job_id()) + " '" + job.name() + "': " + JobStateName(job.state());
+  text += ", " + FormatProgress(job) + "\n";
+  if (job.has_error() && job.error().code() != v1::CODE_OK) text += "  reason: " + job.error().message() + "\n";
+  if (!job.summary().empty()) text += "  " + job.summary() + "\n";
+  text += "  output: " + job.output_dir() + "\n";
+  if (job.retries() > 0) text += "  retries: " + std::to_string(job.retries()) + "\n";
+  if (job.determinism_violations() > 0) {
+    text += "  DETERMINISM VIOLATIONS: " + std::to_string(job.determinism_violations()) +
+            ": a task done twice gave different results; one of the hosts computes wrongly\n";
+  }
+  std::vector<std::vector<std::string>> rows = {
+      {"  stage", "tasks", "CPU", "wall", "peak memory", "fetched", "reused"}};
+  for (const v1::StageStatus& stage : job.stages()) {
+    if (stage.tasks_total() == 0) continue;
+    rows.push_back({"  " + StageName(stage),
+                    std::to_string(stage.tasks_done()) + "/" + std::to_string(stage.tasks_total()),
+                    FormatDuration(stage.cpu_seconds()), FormatDuration(stage.wall_seconds()),
+                    FormatBytes(static_cast<double>(stage.peak_memory_bytes())),
+                    FormatBytes(static_cast<double>(stage.fetched_bytes())), std::to_string(stage.reused())});
+  }
+  if (rows.size() > 1) text += FormatTable(rows, {false, true, true, true, true, true, true});
+  for (const std::string& task : job.running()) text += "  running: " + task + "\n";
+  return text;
+}
+
+std::string FormatJobs(const std::vector<v1::JobStatus>& jobs) {
+  std::vector<std::vector<std::string>> rows = {{"job", "state", "frames", "elapsed", "priority", "name", "output"}};
+  for (const v1::JobStatus& job : jobs) {
+    rows.push_back({std::to_string(job.job_id()), JobStateName(job.state()), FramesText(job),
+                    FormatDuration(job.elapsed_seconds()), std::to_string(job.priority()), job.name(),
+                    job.output_dir()});
+  }
+  return FormatTable(rows, {true, false, true, true, true, false, false});
+}
+
+std::string FormatWorkers(const std::vector<v1::WorkerStatus>& workers) {
+  std::vector<std::vector<std::string>> rows = {{"worker", "name", "version", "heard", "done", "cache", "running"}};
+  for (const v1::WorkerStatus& worker : workers) {
+    rows.push_back({std::to_string(worker.worker_id()), worker.name(), worker.software_version(),
+                    FormatDuration(worker.seconds_since_heard()) + " ago", std::to_string(worker.tasks_done()),
+                    FormatBytes(static_cast<double>(worker.artifact_bytes())),
+                    worker.running().empty() ? "idle" : worker.running()});
+  }
+  return FormatTable(rows, {true, false, false, true, true, true, false});
+}
+
+std::string FormatProgress(const v1::JobStatus& job) {
+  const TaskCount tasks = CountTasks(job);
+  std::string text = "frame " + FramesText(job) + ", task " + std::to_string(tasks.done) + "/" +
+                     std::to_string(tasks.total) + ", " + FormatDuration(job.elapsed_seconds());
+  if (job.state() == v1::JOB_STATE_RUNNING && tasks.done * 20 >= tasks.total && tasks.done > 0) {
+    const double rest = static_cast<double>(tasks.total - std::min(tasks.done, tasks.total));
+    text += ", about " + FormatDuration(job.elapsed_seconds() * rest / static_cast<double>(tasks.done)) + " left";
+  }
+  return text;
+}
+
+}  // namespace depthfarm

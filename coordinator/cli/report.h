@@ -1,0 +1,38 @@
+#ifndef DEPTHFARM_COORDINATOR_CLI_REPORT_H_
+#define DEPTHFARM_COORDINATOR_CLI_REPORT_H_
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "depthfarm/v1/farm.pb.h"
+
+namespace depthfarm {
+
+// What the coordinator tells, for people (texts end with a newline) and for programs (JSON of the same content).
+
+// "running", "done", "failed", "cancelled"; "unknown" for states of a newer coordinator.
+[[nodiscard]] std::string JobStateName(v1::JobState state);
+
+[[nodiscard]] nlohmann::ordered_json JobToJson(const v1::JobStatus& job);
+[[nodiscard]] nlohmann::ordered_json WorkerToJson(const v1::WorkerStatus& worker);
+
+// State, size and stages of one job.
+[[nodiscard]] std::string FormatJob(const v1::JobStatus& job);
+// One line per job.
+[[nodiscard]] std::string FormatJobs(const std::vector<v1::JobStatus>& jobs);
+// One line per worker.
+[[nodiscard]] std::string FormatWorkers(const std::vector<v1::WorkerStatus>& workers);
+
+// One line without newline: "frame 3 of 6, task 41 of 78, 12 s, about 11 s left". The estimate of the rest assumes
+// tasks of equal length and comes once a twentieth of them is done.
+[[nodiscard]] std::string FormatProgress(const v1::JobStatus& job);
+
+// "850 ms", "12.3 s", "4 min 05 s", "2 h 03 min".
+[[nodiscard]] std::string FormatDuration(double seconds);
+// "512 KiB", "1.4 GiB".
+[[nodiscard]] std::string FormatBytes(double bytes);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_CLI_REPORT_H_

@@ -1,0 +1,121 @@
+#include "coordinator/client/client.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "common/transport/endpoint.h"
+#include "common/transport/farm_keys.h"
+#include "common/wire/job_wire.h"
+#include "common/wire/sequence_wire.h"
+
+namespace depthfarm {
+namespace {
+
+using std::chrono::milliseconds;
+using SteadyClock = std::chrono::steady_clock;
+
+// How often a waiting call looks whether it should stop.
+constexpr milliseconds kLookInterval{100};
+
+template <typename Messages>
+auto ToVector(const Messages& messages) {
+  return std::vector(messages.begin(), messages.end());
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Client>> Client::Connect(const CoordinatorTarget& target, ClientCallOptions options) {
+  Result<Endpoint> endpoint = ParseEndpoint(target.endpoint);
+  if (!endpoint.ok()) return endpoint.status().WithContext("coordinator");
+  const bool encrypted = endpoint->kind == Endpoint::Kind::kTcp && !target.keys_dir.empty();
+  DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(*endpoint, encrypted, target.insecure));
+  // No linger: a question that was not answered in time must not be asked after its asker gave up.
+  ClientOptions channel_options = {.curve_server_public_key = "", .curve_own = {}, .linger = milliseconds(0)};
+  if (encrypted) {
+    DEPTHFARM_ASSIGN_OR_RETURN(ClientKeys keys, ReadClientKeys(target.keys_dir));
+    channel_options.curve_server_public_key = keys.coordinator_public_key;
+    channel_options.curve_own = keys.own;
+  }
+  std::unique_ptr<Client> client(new Client());
+  client->options_ = std::move(options);
+  client->endpoint_ = target.endpoint;
+  client->encrypted_ = encrypted;
+  DEPTHFARM_ASSIGN_OR_RETURN(client->channel_,
+                             ClientChannel::Connect(client->context_, target.endpoint, channel_options));
+  return client;
+}
+
+Result<v1::Envelope> Client::Ask(v1::Envelope question, v1::Envelope::BodyCase expected) {
+  const std::uint64_t request_id = ++last_request_id_;
+  question.set_request_id(request_id);
+  const std::string question_name = BodyName(question);
+  DEPTHFARM_RETURN_IF_ERROR(channel_->Send(SerializeEnvelope(std::move(question))));
+  const auto deadline = SteadyClock::now() + options_.timeout;
+  while (true) {
+    if (options_.stop && options_.stop()) return Cancelled();
+    const auto left = std::chrono::ceil<milliseconds>(deadline - SteadyClock::now());
+    if (left <= milliseconds(0)) break;
+    DEPTHFARM_ASSIGN_OR_RETURN(std::optional<std::string> bytes, channel_->Receive(std::min(left, kLookInterval)));
+    if (!bytes) continue;
+    DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, ParseEnvelope(*bytes));
+    if (answer.request_id() != request_id) continue;
+    if (answer.has_error()) {
+      const Status error = FromProto(answer.error());
+      if (error.code() != ErrorCode::kUnavailable) return error;
+      return Internal(error.message());  // somebody did answer
+    }
+    if (answer.body_case() == expected) return answer;
+    return Corrupt("coordinator " + endpoint_ + " answered " + question_name + " with " + BodyName(answer));
+  }
+  return Unavailable("no answer from coordinator " + endpoint_ + " within " + std::to_string(options_.timeout.count()) +
+                     " ms; is the address right and depthfarm-coordinator " +
+                     (encrypted_ ? "running, and is this key in its 'authorized'?" : "running, without keys?"));
+}
+
+Result<std::uint64_t> Client::Submit(const JobSubmission& submission) {
+  v1::Envelope question;
+  v1::SubmitJob& submit = *question.mutable_submit_job();
+  *submit.mutable_sequence() = ToProto(submission.sequence);
+  *submit.mutable_params() = ToProto(submission.params);
+  submit.set_output_dir(submission.output_dir);
+  submit.set_name(submission.name);
+  submit.set_priority(submission.priority);
+  DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobAccepted));
+  return answer.job_accepted().job_id();
+}
+
+Result<v1::JobStatus> Client::GetStatus(std::uint64_t job_id) {
+  v1::Envelope question;
+  question.mutable_get_job_status()->set_job_id(job_id);
+  DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobStatus));
+  return std::move(*answer.mutable_job_status());
+}
+
+Result<std::vector<v1::JobStatus>> Client::ListJobs() {
+  v1::Envelope question;
+  question.mutable_list_jobs();
+  DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobList));
+  return ToVector(answer.job_list().jobs());
+}
+
+Status Client::Cancel(std::uint64_t job_id) {
+  v1::Envelope question;
+  question.mutable_cancel_job()->set_job_id(job_id);
+  return Ask(std::move(question), v1::Envelope::kDone).status();
+}
+
+Result<std::vector<v1::WorkerStatus>> Client::ListWorkers() {
+  v1::Envelope question;
+  question.mutable_list_workers();
+  DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kWorkerList));
+  return ToVector(answer.worker_list().workers());
+}
+
+Status Client::StopCoordinator() {
+  v1::Envelope question;
+  question.mutable_stop_coordinator();
+  return Ask(std::move(question), v1::Envelope::kDone).status();
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,76 @@
+#ifndef DEPTHFARM_COORDINATOR_CLIENT_CLIENT_H_
+#define DEPTHFARM_COORDINATOR_CLIENT_CLIENT_H_
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "common/job/estimation_params.h"
+#include "common/sequence/sequence.h"
+#include "common/transport/client_channel.h"
+#include "common/transport/context.h"
+#include "common/wire/envelope.h"
+
+namespace depthfarm {
+
+// Which coordinator, and how to prove who asks.
+struct CoordinatorTarget {
+  std::string endpoint;   // tcp://HOST:PORT or ipc://PATH
+  std::string keys_dir;   // of `depthfarm keygen`; empty: no CURVE
+  bool insecure = false;  // tcp without CURVE, loopback addresses only
+};
+
+struct ClientCallOptions {
+  std::chrono::milliseconds timeout{10'000};  // for one answer
+  std::function<bool()> stop;                 // asked several times a second; true ends the call with kCancelled
+};
+
+// A job as it is handed in. output_dir and the sequence's pictures are absolute paths as every worker sees them.
+struct JobSubmission {
+  Sequence sequence;
+  EstimationParams params;
+  std::string output_dir;
+  std::string name;
+  int priority = 0;
+};
+
+// The submitter's side of the protocol (proto/PROTOCOL.md): one question at a time, each matched with its answer by the
+// request id; answers to questions that timed out are dropped. Not thread-safe.
+//
+// Errors of every call: kUnavailable exactly when no answer came in time (nobody there, or CURVE refused the key);
+// kIncompatible: another protocol version; kInvalidArgument: what the coordinator says is wrong with the question, e.g.
+// an unknown job or a key without the role; kCorrupt: an answer that does not fit the question.
+class Client {
+ public:
+  // Does not wait for the coordinator. kInvalidArgument: the endpoint is none, keys that cannot be read, or tcp with
+  // neither keys nor `insecure`.
+  [[nodiscard]] static Result<std::unique_ptr<Client>> Connect(const CoordinatorTarget& target,
+                                                               ClientCallOptions options = {});
+
+  [[nodiscard]] Result<std::uint64_t> Submit(const JobSubmission& submission);
+  [[nodiscard]] Result<v1::JobStatus> GetStatus(std::uint64_t job_id);
+  [[nodiscard]] Result<std::vector<v1::JobStatus>> ListJobs();
+  [[nodiscard]] Status Cancel(std::uint64_t job_id);
+  [[nodiscard]] Result<std::vector<v1::WorkerStatus>> ListWorkers();
+  [[nodiscard]] Status StopCoordinator();
+
+ private:
+  Client() = default;
+  // Sends the question and returns the answer whose body is `expected`.
+  [[nodiscard]] Result<v1::Envelope> Ask(v1::Envelope question, v1::Envelope::BodyCase expected);
+
+  ClientCallOptions options_;
+  std::string endpoint_;
+  bool encrypted_ = false;
+  std::uint64_t last_request_id_ = 0;
+  TransportContext context_;
+  std::unique_ptr<ClientChannel> channel_;  // after context_: must go first
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_CLIENT_CLIENT_H_

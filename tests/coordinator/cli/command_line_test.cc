@@ -1,0 +1,156 @@
+#include "coordinator/cli/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "coordinator/cli/exit_codes.h"
+
+namespace depthfarm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+template <typename Arguments>
+Arguments Parsed(const std::vector<std::string>& words) {
+  auto outcome = ParseCommandLine(words);
+  if (const auto* exit = std::get_if<CommandLineExit>(&outcome)) {
+    ADD_FAILURE() << "not parsed: " << exit->output << exit->error;
+    return {};
+  }
+  const auto* arguments = std::get_if<Arguments>(&std::get<CommandArguments>(outcome));
+  if (arguments == nullptr) {
+    ADD_FAILURE() << "parsed as another command";
+    return {};
+  }
+  return *arguments;
+}
+
+CommandLineExit Exit(const std::vector<std::string>& words) {
+  const auto outcome = ParseCommandLine(words);
+  const auto* exit = std::get_if<CommandLineExit>(&outcome);
+  if (exit == nullptr) {
+    ADD_FAILURE() << "parsed as a command";
+    return {};
+  }
+  return *exit;
+}
+
+TEST(CommandLine, RunKeepsEstimationOptionsInTheirWords) {
+  const auto run = Parsed<RunArguments>({"run", "array.json", "-o", "out", "--workers", "3", "--levels", "auto",
+                                         "--params", "p.json", "--preset", "paper", "--frames", "0:5", "--json"});
+  EXPECT_EQ(run.job.sequence, "array.json");
+  EXPECT_EQ(run.job.output_dir, "out");
+  EXPECT_EQ(run.farm.workers, 3);
+  EXPECT_TRUE(run.json);
+  const EstimationArguments expected = {
+      .preset = "paper", .params_file = "p.json", .values = {{"levels", "auto"}, {"frames", "0:5"}}};
+  EXPECT_EQ(run.job.estimation.preset, expected.preset);
+  EXPECT_EQ(run.job.estimation.params_file, expected.params_file);
+  EXPECT_THAT(run.job.estimation.values, testing::UnorderedElementsAreArray(expected.values));
+}
+
+TEST(CommandLine, RunTakesEveryEstimationOption) {
+  for (const EstimationOption& option : EstimationOptions()) {
+    const std::string name(option.name);
+    const auto run = Parsed<RunArguments>({"run", "s", "-o", "d", "--" + name, "-1"});
+    ASSERT_EQ(run.job.estimation.values.size(), 1U) << name;
+    EXPECT_EQ(run.job.estimation.values[0], (std::pair<std::string, std::string>(name, "-1")));
+  }
+}
+
+TEST(CommandLine, SubmitKnowsItsFarm) {
+  const auto submit = Parsed<SubmitArguments>({"submit", "s.json", "-o", "d", "--coordinator", "tcp://head:1", "--keys",
+                                               "k", "--priority", "-5", "--name", "n", "--wait"});
+  EXPECT_EQ(submit.farm.coordinator, "tcp://head:1");
+  EXPECT_EQ(submit.farm.keys, "k");
+  EXPECT_FALSE(submit.farm.insecure);
+  EXPECT_EQ(submit.priority, -5);
+  EXPECT_EQ(submit.name, "n");
+  EXPECT_TRUE(submit.wait);
+}
+
+TEST(CommandLine, JobCommandsTakeAJobNumber) {
+  EXPECT_EQ(Parsed<StatusArguments>({"status", "7"}).job, 7U);
+  EXPECT_EQ(Parsed<WatchArguments>({"watch", "8", "--json"}).job, 8U);
+  EXPECT_EQ(Parsed<CancelArguments>({"cancel", "9"}).job, 9U);
+}
+
+TEST(CommandLine, ListsNeedNothing) {
+  EXPECT_EQ(Parsed<JobsArguments>({"jobs"}).farm.coordinator, "tcp://127.0.0.1:7700");
+  EXPECT_EQ(Parsed<JobsArguments>({"jobs", "--timeout", "1.5"}).farm.timeout_seconds, 1.5);
+  EXPECT_TRUE(Parsed<WorkersArguments>({"workers", "--json", "--insecure"}).farm.insecure);
+  EXPECT_EQ(Parsed<DemoArguments>({"demo"}).output_dir, "depthfarm-demo");
+  EXPECT_EQ(Parsed<KeygenArguments>({"keygen", "-o", "k"}).output_dir, "k");
+}
+
+class BadUsage : public testing::TestWithParam<std::vector<std::string>> {};
+
+TEST_P(BadUsage, ExitsWithTwoAndSaysWhyOnStderr) {
+  const CommandLineExit exit = Exit(GetParam());
+  EXPECT_EQ(exit.code, kExitBadInput);
+  EXPECT_FALSE(exit.error.empty());
+  EXPECT_TRUE(exit.output.empty()) << exit.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BadUsage,
+                         testing::ValuesIn(std::vector<std::vector<std::string>>{
+                             {},
+                             {"fly"},
+                             {"run"},
+                             {"run", "s.json"},
+                             {"run", "-o", "d"},
+                             {"run", "s.json", "-o", "d", "--workers", "0"},
+                             {"run", "s.json", "-o", "d", "--workers", "many"},
+                             {"run", "s.json", "-o", "d", "--level", "3"},
+                             {"run", "s.json", "extra", "-o", "d"},
+                             {"run", "s.json", "-o", "d", "--log-level", "loud"},
+                             {"status"},
+                             {"status", "x"},
+                             {"status", "-1"},
+                             {"submit", "s.json", "-o", "d", "--priority", "1001"},
+                             {"jobs", "--timeout", "0"},
+                             {"keygen"},
+                         }));
+
+TEST(CommandLine, HelpOfEachCommandHasAnExampleAndGoesToStdout) {
+  for (const char* command : {"demo", "run", "submit", "status", "watch", "jobs", "cancel", "workers", "keygen"}) {
+    const CommandLineExit exit = Exit({command, "--help"});
+    EXPECT_EQ(exit.code, kExitOk) << command;
+    EXPECT_THAT(exit.output, HasSubstr("Example")) << command;
+    EXPECT_TRUE(exit.error.empty()) << exit.error;
+  }
+}
+
+TEST(CommandLine, OverviewNamesEveryCommand) {
+  const CommandLineExit exit = Exit({"--help"});
+  EXPECT_EQ(exit.code, kExitOk);
+  for (const char* command : {"demo", "run", "submit", "status", "watch", "jobs", "cancel", "workers", "keygen",
+                              "scene", "evaluate", "colour"}) {
+    EXPECT_THAT(exit.output, HasSubstr(command));
+  }
+}
+
+TEST(CommandLine, HelpOfRunNamesEveryEstimationOption) {
+  const std::string help = Exit({"run", "--help"}).output;
+  for (const EstimationOption& option : EstimationOptions()) {
+    EXPECT_THAT(help, HasSubstr("--" + std::string(option.name)));
+  }
+}
+
+TEST(CommandLine, VersionIsPrinted) {
+  const CommandLineExit exit = Exit({"--version"});
+  EXPECT_EQ(exit.code, kExitOk);
+  EXPECT_THAT(exit.output, testing::MatchesRegex("depthfarm [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST(CommandLine, PixelCommandsGoToTheMediaProgram) {
+  EXPECT_TRUE(IsMediaCommand("scene"));
+  EXPECT_TRUE(IsMediaCommand("evaluate"));
+  EXPECT_TRUE(IsMediaCommand("colour"));
+  EXPECT_FALSE(IsMediaCommand("run"));
+  EXPECT_FALSE(IsMediaCommand(""));
+}
+
+}  // namespace
+}  // namespace depthfarm

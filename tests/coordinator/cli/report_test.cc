@@ -1,0 +1,103 @@
+#include "coordinator/cli/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace depthfarm {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+v1::JobStatus SomeJob() {
+  v1::JobStatus job;
+  job.set_job_id(3);
+  job.set_name("ballet");
+  job.set_state(v1::JOB_STATE_RUNNING);
+  job.set_frames_done(2);
+  job.set_frames_total(6);
+  job.set_elapsed_seconds(30);
+  job.set_output_dir("/data/out");
+  v1::StageStatus& analyse = *job.add_stages();
+  analyse.set_kind(v1::TASK_KIND_ANALYSE);
+  analyse.set_tasks_done(10);
+  analyse.set_tasks_total(10);
+  analyse.set_cpu_seconds(12.5);
+  analyse.set_peak_memory_bytes(std::uint64_t{300} << 20);
+  v1::StageStatus& estimate = *job.add_stages();
+  estimate.set_kind(v1::TASK_KIND_ESTIMATE);
+  estimate.set_tasks_done(5);
+  estimate.set_tasks_total(20);
+  return job;
+}
+
+TEST(FormatDuration, ChoosesItsUnits) {
+  EXPECT_EQ(FormatDuration(0), "0 ms");
+  EXPECT_EQ(FormatDuration(0.85), "850 ms");
+  EXPECT_EQ(FormatDuration(12.34), "12.3 s");
+  EXPECT_EQ(FormatDuration(245), "4 min 05 s");
+  EXPECT_EQ(FormatDuration(7380), "2 h 03 min");
+}
+
+TEST(FormatBytes, ChoosesItsUnits) {
+  EXPECT_EQ(FormatBytes(0), "0 B");
+  EXPECT_EQ(FormatBytes(1023), "1023 B");
+  EXPECT_EQ(FormatBytes(512.0 * 1024), "512 KiB");
+  EXPECT_EQ(FormatBytes(1.5 * (1 << 30)), "1.5 GiB");
+}
+
+TEST(FormatProgress, ScalesTheElapsedTimeByTheTasksLeft) {
+  EXPECT_EQ(FormatProgress(SomeJob()), "frame 2/6, task 15/30, 30.0 s, about 30.0 s left");
+}
+
+TEST(FormatProgress, MakesNoGuessBeforeThereIsAnythingToGuessFrom) {
+  v1::JobStatus job = SomeJob();
+  job.mutable_stages(0)->set_tasks_done(0);
+  job.mutable_stages(1)->set_tasks_done(0);
+  EXPECT_THAT(FormatProgress(job), Not(HasSubstr("left")));
+  EXPECT_THAT(FormatProgress(v1::JobStatus()), Not(HasSubstr("left")));
+}
+
+TEST(FormatJob, TellsStagesAndReason) {
+  v1::JobStatus job = SomeJob();
+  job.set_state(v1::JOB_STATE_FAILED);
+  job.mutable_error()->set_code(v1::CODE_UNAVAILABLE);
+  job.mutable_error()->set_message("disk is full");
+  EXPECT_THAT(FormatJob(job),
+              AllOf(HasSubstr("job 3 'ballet': failed"), HasSubstr("disk is full"), HasSubstr("analyse"),
+                    HasSubstr("10/10"), HasSubstr("12.5 s"), HasSubstr("300 MiB"), HasSubstr("/data/out")));
+}
+
+TEST(FormatJob, DeterminismViolationsAreLoud) {
+  v1::JobStatus job = SomeJob();
+  EXPECT_THAT(FormatJob(job), Not(HasSubstr("DETERMINISM")));
+  job.set_determinism_violations(1);
+  EXPECT_THAT(FormatJob(job), HasSubstr("DETERMINISM VIOLATIONS: 1"));
+}
+
+TEST(JobToJson, HoldsWhatTheTextSays) {
+  const nlohmann::ordered_json json = JobToJson(SomeJob());
+  EXPECT_EQ(json["job"], 3);
+  EXPECT_EQ(json["state"], "running");
+  EXPECT_TRUE(json["error"].is_null());
+  EXPECT_EQ(json["stages"][0]["stage"], "analyse");
+  EXPECT_EQ(json["stages"][1]["tasksTotal"], 20);
+}
+
+TEST(FormatJobs, AlignsColumns) {
+  v1::JobStatus other = SomeJob();
+  other.set_job_id(12);
+  const std::string table = FormatJobs({SomeJob(), other});
+  EXPECT_THAT(table, AllOf(HasSubstr("\n  3  running"), HasSubstr("\n 12  running")));
+}
+
+TEST(FormatWorkers, AnIdleWorkerIsIdle) {
+  v1::WorkerStatus worker;
+  worker.set_worker_id(1);
+  worker.set_name("host:12:ab");
+  EXPECT_THAT(FormatWorkers({worker}), AllOf(HasSubstr("host:12:ab"), HasSubstr("idle")));
+}
+
+}  // namespace
+}  // namespace depthfarm

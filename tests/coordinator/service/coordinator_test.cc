@@ -1,0 +1,209 @@
+#include "coordinator/service/coordinator.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "common/transport/farm_keys.h"
+#include "tests/coordinator/service/fake_peers.h"
+#include "tests/support/temporary_folder.h"
+
+namespace depthfarm {
+namespace {
+
+using testing_support::TemporaryFolder;
+
+CoordinatorOptions On(const TemporaryFolder& folder) { return {.endpoint = "ipc://" + folder.File("c")}; }
+
+TEST(Coordinator, DrivesAJobOfTwoGopsToItsEndOverASocket) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  EXPECT_EQ(worker.peer.Await(v1::Envelope::kWorkerWelcome).worker_welcome().lease_ms(), 6000U);
+  worker.Ask();
+  const v1::Envelope accepted = client.Call(SubmitRequest(4, "/out/a/"));
+  ASSERT_TRUE(accepted.has_job_accepted()) << accepted.error().message();
+  EXPECT_EQ(accepted.request_id(), 1U);
+  // Prepare, Manifest; per frame 3 Analyse, 2 Estimate, 1 Merge, Emit, Commit.
+  EXPECT_EQ(worker.WorkUntilJobEnds(), 2 + 4 * 8);
+
+  const v1::Envelope answer = client.Call(StatusRequest(accepted.job_accepted().job_id()));
+  EXPECT_EQ(answer.request_id(), 77U);
+  const v1::JobStatus& status = answer.job_status();
+  EXPECT_EQ(status.state(), v1::JOB_STATE_DONE);
+  EXPECT_EQ(status.frames_done(), 4U);
+  EXPECT_EQ(status.output_dir(), "/out/a");
+  EXPECT_EQ(status.summary(), "3 views 64x48, 459 segments, 16 levels, n = 2 interleaved");
+  EXPECT_EQ(status.stages_size(), 7);
+  for (const v1::StageStatus& stage : status.stages()) EXPECT_EQ(stage.tasks_done(), stage.tasks_total());
+}
+
+TEST(Coordinator, ListsJobsAndWorkersAndCancels) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  worker.Ask();
+  (void)worker.peer.Await(v1::Envelope::kWorkerWelcome);
+  const std::uint64_t job = client.Call(SubmitRequest(2, "/out/a")).job_accepted().job_id();
+  const v1::Envelope grant = worker.peer.Await(v1::Envelope::kGrantTask);
+  EXPECT_EQ(grant.grant_task().task().id().kind(), v1::TASK_KIND_PREPARE);
+
+  v1::Envelope request;
+  request.mutable_list_workers();
+  const v1::Envelope workers = client.Call(request);
+  ASSERT_EQ(workers.worker_list().workers_size(), 1);
+  EXPECT_EQ(workers.worker_list().workers(0).name(), "w1");
+  EXPECT_EQ(workers.worker_list().workers(0).running(), "job 1 prepare");
+  request.mutable_list_jobs();
+  EXPECT_EQ(client.Call(request).job_list().jobs(0).running(0), "prepare on w1");
+
+  request.mutable_cancel_job()->set_job_id(job);
+  EXPECT_TRUE(client.Call(request).has_done());
+  EXPECT_EQ(worker.peer.Await(v1::Envelope::kRevokeLease).revoke_lease().lease_id(), grant.grant_task().lease_id());
+  worker.Ask();
+  const v1::Envelope cleanup = worker.peer.Await(v1::Envelope::kGrantTask);
+  EXPECT_EQ(cleanup.grant_task().task().id().kind(), v1::TASK_KIND_CLEANUP);
+  worker.Report(cleanup.grant_task());
+  (void)worker.peer.Await(v1::Envelope::kJobEnded);
+  EXPECT_EQ(client.Call(StatusRequest(job)).job_status().state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(client.Call(request).error().code(), v1::CODE_INVALID_ARGUMENT);  // it has ended
+}
+
+TEST(Coordinator, BadRequestsAreAnsweredWithTheReason) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  client.SendBytes("rubbish");
+  EXPECT_TRUE(client.Receive().has_error());
+  client.SendBytes("");
+  EXPECT_EQ(client.Receive().error().code(), v1::CODE_INCOMPATIBLE);
+  EXPECT_EQ(client.Call(StatusRequest(9)).error().code(), v1::CODE_INVALID_ARGUMENT);
+  const v1::Envelope relative = client.Call(SubmitRequest(2, "out"));
+  EXPECT_EQ(relative.error().code(), v1::CODE_INVALID_ARGUMENT);
+  EXPECT_EQ(relative.request_id(), 1U);
+  v1::Envelope chunk;
+  chunk.mutable_get_chunk();
+  EXPECT_NE(client.Call(chunk).error().message().find("get_chunk"), std::string::npos);
+}
+
+TEST(Coordinator, AFolderBelongsToOneJobHoweverItIsSpelt) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  EXPECT_TRUE(client.Call(SubmitRequest(2, "/out/a")).has_job_accepted());
+  EXPECT_NE(client.Call(SubmitRequest(2, "/out/b/../a//")).error().message().find("job 1 writes to /out/a"),
+            std::string::npos);
+  EXPECT_TRUE(client.Call(SubmitRequest(2, "/out/b")).has_job_accepted());
+}
+
+TEST(Coordinator, AWorkerThatIsNotKnownIsToldToSayHello) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Ask();
+  EXPECT_EQ(worker.peer.Receive().error().code(), v1::CODE_UNAVAILABLE);
+}
+
+TEST(Coordinator, AWorkerOfAnotherAlgorithmIsRefused) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer worker(context, coordinator.endpoint());
+  v1::Envelope hello;
+  hello.mutable_worker_hello()->set_name("old");
+  hello.mutable_worker_hello()->set_artifact_endpoint("ipc:///x");
+  hello.mutable_worker_hello()->set_algorithm_version(kAlgorithmVersion + 1);
+  EXPECT_EQ(worker.Call(hello).error().code(), v1::CODE_INCOMPATIBLE);
+}
+
+TEST(Coordinator, AWorkerThatReconnectsGoesOnUnderItsName) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakeFarmWorker before(context, coordinator.endpoint(), "w1");
+  before.Hello();
+  const auto id = before.peer.Await(v1::Envelope::kWorkerWelcome).worker_welcome().worker_id();
+  FakeFarmWorker after(context, coordinator.endpoint(), "w1");
+  after.Hello();
+  EXPECT_EQ(after.peer.Await(v1::Envelope::kWorkerWelcome).worker_welcome().worker_id(), id);
+  before.Ask();
+  EXPECT_EQ(before.peer.Receive().error().code(), v1::CODE_UNAVAILABLE);
+}
+
+TEST(Coordinator, HeartbeatsAreAnsweredAndNameWhatIsNotTheWorkers) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  (void)worker.peer.Await(v1::Envelope::kWorkerWelcome);
+  v1::Envelope beat;
+  beat.mutable_heartbeat()->set_heartbeat_id(5);
+  beat.mutable_heartbeat()->add_running_leases(123);
+  const v1::Envelope ack = worker.peer.Call(beat);
+  EXPECT_EQ(ack.heartbeat_ack().heartbeat_id(), 5U);
+  ASSERT_EQ(ack.heartbeat_ack().unknown_leases_size(), 1);
+  EXPECT_EQ(ack.heartbeat_ack().unknown_leases(0), 123U);
+}
+
+TEST(Coordinator, StopsOnRequestAndTellsItsWorkers) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  (void)worker.peer.Await(v1::Envelope::kWorkerWelcome);
+  FakePeer client(context, coordinator.endpoint());
+  v1::Envelope stop;
+  stop.mutable_stop_coordinator();
+  EXPECT_TRUE(client.Call(stop).has_done());
+  EXPECT_TRUE(worker.peer.Receive().has_stop_worker());
+  coordinator.Join();
+}
+
+TEST(Coordinator, KeysHaveRoles) {
+  const TemporaryFolder folder;
+  const std::string keys = folder.File("keys");
+  ASSERT_TRUE(CreateFarmKeys(keys).ok());
+  RunningCoordinator coordinator({.endpoint = "tcp://127.0.0.1:*", .keys_dir = keys});
+  TransportContext context;
+  const WorkerKeys worker_keys = ReadWorkerKeys(keys).value();
+  const ClientKeys client_keys = ReadClientKeys(keys).value();
+  const ClientOptions as_worker = {.curve_server_public_key = worker_keys.coordinator_public_key,
+                                   .curve_own = worker_keys.own};
+  const ClientOptions as_client = {.curve_server_public_key = client_keys.coordinator_public_key,
+                                   .curve_own = client_keys.own};
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1", as_worker);
+  worker.Hello();
+  EXPECT_TRUE(worker.peer.Receive().has_worker_welcome());
+  EXPECT_NE(worker.peer.Call(StatusRequest(1)).error().message().find("role work may not send get_job_status"),
+            std::string::npos);
+  FakeFarmWorker impostor(context, coordinator.endpoint(), "w2", as_client);
+  impostor.Hello();
+  EXPECT_NE(impostor.peer.Receive().error().message().find("role admin may not send worker_hello"), std::string::npos);
+  FakePeer client(context, coordinator.endpoint(), as_client);
+  EXPECT_TRUE(client.Call(SubmitRequest(2, "/out/a")).has_job_accepted());
+}
+
+TEST(CoordinatorOptions, NameTheValueAndTheBound) {
+  const auto message = [](const CoordinatorOptions& options) {
+    return Coordinator::Create(options).status().message();
+  };
+  EXPECT_NE(message({.endpoint = "tcp://127.0.0.1:*"}).find("needs keys"), std::string::npos);
+  EXPECT_NE(message({.endpoint = "tcp://*:*", .insecure = true}).find("not a loopback"), std::string::npos);
+  EXPECT_NE(message({.heartbeat = std::chrono::milliseconds(3000)}).find("9000"), std::string::npos);
+  EXPECT_NE(message({.max_attempts = 0}).find("expected 1 to 100"), std::string::npos);
+  EXPECT_NE(message({.endpoint = "tcp://127.0.0.1:*", .keys_dir = "/nowhere"}).find("/nowhere"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace depthfarm

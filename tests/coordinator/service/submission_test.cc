@@ -1,0 +1,38 @@
+#include "coordinator/service/submission.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/coordinator/service/fake_peers.h"
+#include "tests/coordinator/service/small_sequence.h"
+
+namespace depthfarm {
+namespace {
+
+Result<PlannedJob> Plan(const v1::Envelope& request) { return PlanSubmission(request.submit_job(), JobId(5)); }
+
+TEST(Submission, PicturesAreThoseOfTheJobsFramesAndViews) {
+  v1::Envelope request = SubmitRequest(6, "/out");
+  v1::EstimationParams* params = request.mutable_submit_job()->mutable_params();
+  params->set_first_frame(2);
+  params->set_end_frame(5);
+  params->add_views("cam2");
+  params->add_views("cam1");
+  const Result<PlannedJob> job = Plan(request);
+  ASSERT_TRUE(job.ok()) << job.status().message();
+  ASSERT_EQ(job->pictures.size(), 2U);
+  EXPECT_EQ(job->config.resolved.views[0].camera.name, "cam1");
+  EXPECT_EQ(job->pictures[0], (std::vector<std::string>{"/in/cam1/2.png", "/in/cam1/3.png", "/in/cam1/4.png"}));
+  EXPECT_EQ(job->config.job, JobId(5));
+}
+
+TEST(Submission, OutputFoldersHaveOneSpelling) {
+  for (const char* spelling : {"/out/a", "/out/a/", "/out//a/.", "/out/b/../a"}) {
+    EXPECT_EQ(Plan(SubmitRequest(2, spelling))->config.output_dir, "/out/a") << spelling;
+  }
+  for (const char* refused : {"", "out", "/", "//", "/a/.."}) {
+    EXPECT_EQ(Plan(SubmitRequest(2, refused)).status().code(), ErrorCode::kInvalidArgument) << refused;
+  }
+}
+
+}  // namespace
+}  // namespace depthfarm

@@ -1,0 +1,79 @@
+// The same job gives the same bytes, whatever farm it runs on.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/system/support.h"
+
+namespace depthfarm::system_test {
+namespace {
+
+using testing::IsEmpty;
+using testing::SizeIs;
+
+class Determinism : public testing::Test {
+ protected:
+  void SetUp() override { sequence_ = RenderScene(folder_.path() / "scene"); }
+
+  // Runs the scene on `workers` workers and returns its depth.
+  std::map<std::string, std::string> Run(int workers, const Words& options) {
+    const std::string output = folder_ / ("out-" + std::to_string(++runs_));
+    const Outcome run =
+        Depthfarm(Words{"run", sequence_, "-o", output, "--workers", std::to_string(workers)} + SmallJob() + options);
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    EXPECT_THAT(Leftovers(output), IsEmpty());
+    return DepthOf(output);
+  }
+
+  TemporaryFolder folder_;
+  std::string sequence_;
+  int runs_ = 0;
+};
+
+TEST_F(Determinism, OneTwoAndThreeWorkersGiveTheSameBytes) {
+  const auto one = Run(1, {"--level-blocks", "4"});
+  EXPECT_THAT(one, SizeIs(3 * 4 + 1)) << "3 cameras x 4 frames and depth.json";
+  EXPECT_THAT(Differences(one, Run(2, {"--level-blocks", "4"})), IsEmpty());
+  EXPECT_THAT(Differences(one, Run(3, {"--level-blocks", "4"})), IsEmpty());
+}
+
+TEST_F(Determinism, DepthOfFramesDiffersFromEachOther) {  // guards the others: constant output would pass them
+  const auto depth = Run(2, {});
+  ASSERT_TRUE(depth.contains("depth.json"));
+  std::set<std::string> distinct;
+  for (const auto& [name, content] : depth) distinct.insert(content);
+  EXPECT_EQ(distinct.size(), depth.size());
+}
+
+struct Split {
+  int blocks;
+  const char* partition;
+};
+class DeterminismOfSplit : public Determinism, public testing::WithParamInterface<Split> {};
+
+TEST_P(DeterminismOfSplit, OneAndThreeWorkersGiveTheSameBytes) {
+  const Words options = {"--level-blocks", std::to_string(GetParam().blocks), "--partition", GetParam().partition};
+  const auto one = Run(1, options);
+  EXPECT_THAT(one, SizeIs(3 * 4 + 1));
+  EXPECT_THAT(Differences(one, Run(3, options)), IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DeterminismOfSplit,
+                         testing::Values(Split{1, "interleaved"}, Split{2, "interleaved"}, Split{4, "interleaved"},
+                                         Split{6, "interleaved"}, Split{2, "blocks"}, Split{4, "blocks"},
+                                         Split{6, "blocks"}),
+                         [](const testing::TestParamInfo<Split>& split) {
+                           return std::string(split.param.partition) + std::to_string(split.param.blocks);
+                         });
+
+TEST_F(Determinism, OneBlockIsOneBlockInEitherPartition) {
+  auto blocks = Run(2, {"--level-blocks", "1", "--partition", "blocks"});
+  auto interleaved = Run(2, {"--level-blocks", "1", "--partition", "interleaved"});
+  blocks.erase("depth.json");  // names the partition
+  interleaved.erase("depth.json");
+  EXPECT_THAT(Differences(blocks, interleaved), IsEmpty());
+}
+
+}  // namespace
+}  // namespace depthfarm::system_test

@@ -1,0 +1,203 @@
+// Workers that die, jobs that are cancelled, runs that are interrupted.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/system/support.h"
+
+namespace depthfarm::system_test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+std::uint64_t TasksDone(const v1::JobStatus& job) {
+  std::uint64_t done = 0;
+  for (const v1::StageStatus& stage : job.stages()) done += stage.tasks_done();
+  return done;
+}
+
+// Long enough that something can happen in the middle: 4 GOPs, finer segments.
+Words LongerJob() { return {"--segments", "1500", "--levels", "48", "--gop", "2", "--level-blocks", "4"}; }
+
+class Failure : public testing::Test {
+ protected:
+  void SetUp() override { sequence_ = RenderScene(folder_.path() / "scene", {.cameras = 3, .frames = 8}); }
+
+  // What the longer job gives when nothing goes wrong.
+  std::map<std::string, std::string> Undisturbed() {
+    const std::string output = folder_ / "undisturbed";
+    const Outcome run = Depthfarm(Words{"run", sequence_, "-o", output, "--workers", "2"} + LongerJob());
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+    return DepthOf(output);
+  }
+
+  std::uint64_t Submit(Farm& farm, const std::string& output) {
+    const Outcome submitted =
+        Depthfarm(Words{"submit", sequence_, "-o", output, "--json"} + LongerJob() + farm.Options());
+    EXPECT_EQ(submitted.exit_code, 0) << submitted.output << farm.Logs();
+    const nlohmann::json json = ParseJsonTail(submitted.output);
+    return json.contains("job") ? json["job"].get<std::uint64_t>() : 0;
+  }
+
+  // Waits for `tasks` tasks of a job to be done; the job must still be running then.
+  void WaitForTasks(Farm& farm, std::uint64_t job_id, std::uint64_t tasks) {
+    bool running = false;
+    ASSERT_TRUE(WaitUntil([&] {
+      const Result<v1::JobStatus> job = farm.client().GetStatus(job_id);
+      if (!job.ok()) return true;
+      running = job->state() == v1::JOB_STATE_RUNNING;
+      return !running || TasksDone(*job) >= tasks;
+    })) << farm.Logs();
+    ASSERT_TRUE(running) << "the job ended before it could be disturbed: make it longer\n" << farm.Logs();
+  }
+
+  v1::JobStatus WaitForTheEnd(Farm& farm, std::uint64_t job_id) {
+    v1::JobStatus last;
+    EXPECT_TRUE(WaitUntil([&] {
+      const Result<v1::JobStatus> job = farm.client().GetStatus(job_id);
+      if (!job.ok()) return false;
+      last = *job;
+      return last.state() != v1::JOB_STATE_RUNNING;
+    })) << farm.Logs();
+    return last;
+  }
+
+  TemporaryFolder folder_;
+  std::string sequence_;
+};
+
+TEST_F(Failure, AKilledWorkerLeavesDepthByteIdentical) {
+  const auto expected = Undisturbed();
+  ASSERT_THAT(expected, SizeIs(3 * 8 + 1));
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker();
+  const int victim = farm.AddWorker();
+  const std::string output = folder_ / "disturbed";
+  const std::uint64_t job_id = Submit(farm, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, 6));
+  farm.worker(victim).Signal(SIGKILL);
+  const v1::JobStatus last = WaitForTheEnd(farm, job_id);
+  EXPECT_EQ(last.state(), v1::JOB_STATE_DONE) << last.error().message() << "\n" << farm.Logs();
+  EXPECT_EQ(last.determinism_violations(), 0U);
+  EXPECT_THAT(Differences(expected, DepthOf(output)), IsEmpty());
+  EXPECT_THAT(Leftovers(output), IsEmpty());
+}
+
+TEST_F(Failure, AWorkerThatComesLaterTakesOverFromTheOnlyOne) {
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  const int first = farm.AddWorker();
+  const std::string output = folder_ / "handed-over";
+  const std::uint64_t job_id = Submit(farm, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, 6));
+  farm.worker(first).Signal(SIGKILL);  // with all intermediate results
+  farm.AddWorker();
+  const v1::JobStatus last = WaitForTheEnd(farm, job_id);
+  EXPECT_EQ(last.state(), v1::JOB_STATE_DONE) << last.error().message() << "\n" << farm.Logs();
+  EXPECT_THAT(Differences(Undisturbed(), DepthOf(output)), IsEmpty());
+}
+
+TEST_F(Failure, CancelLeavesNoPartialFiles) {
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker();
+  const std::string output = folder_ / "cancelled";
+  const std::uint64_t job_id = Submit(farm, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, 6));
+  const Outcome cancelled = Depthfarm(Words{"cancel", std::to_string(job_id)} + farm.Options());
+  EXPECT_EQ(cancelled.exit_code, 0) << cancelled.output;
+  EXPECT_EQ(WaitForTheEnd(farm, job_id).state(), v1::JOB_STATE_CANCELLED) << farm.Logs();
+  EXPECT_TRUE(WaitUntil([&] { return Leftovers(output).empty(); }))
+      << testing::PrintToString(Leftovers(output)) << farm.Logs();
+  EXPECT_FALSE(fs::exists(fs::path(output) / "depth.json"));
+}
+
+// `depthfarm run` started in the background, with a temporary root of its own to see what it leaves.
+class RunInBackground : public Failure {
+ protected:
+  void SetUp() override {
+    Failure::SetUp();
+    ::setenv("TMPDIR", temporary_root_.path().c_str(), 1);
+    output_ = folder_ / "run";
+    const Words words = Words{"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob();
+    Result<ChildProcess> run = ChildProcess::Start(Program("depthfarm"), words, folder_ / "run.log");
+    ASSERT_TRUE(run.ok()) << run.status().message();
+    run_.emplace(std::move(*run));
+  }
+  void TearDown() override { ::unsetenv("TMPDIR"); }
+
+  std::string Log() { return ReadFile(folder_ / "run.log"); }
+  std::vector<pid_t> Workers() { return ChildrenOf(run_->pid(), "depthfarm-worker"); }
+
+  // Waits for the first finished frame, when half of the work is still to do.
+  void WaitForAFrame() {
+    ASSERT_TRUE(WaitUntil([&] { return !DepthOf(output_).empty() || run_->Poll(); })) << Log();
+    ASSERT_FALSE(run_->Poll()) << "ended before it could be disturbed\n" << Log();
+    ASSERT_FALSE(Workers().empty());
+  }
+
+  bool AllGone(const std::vector<pid_t>& processes) {
+    return WaitUntil([&] { return std::ranges::all_of(processes, IsGone); });
+  }
+
+  TemporaryFolder temporary_root_;
+  std::string output_;
+  std::optional<ChildProcess> run_;
+};
+
+TEST_F(RunInBackground, StartsAKilledWorkerAgain) {
+  ASSERT_NO_FATAL_FAILURE(WaitForAFrame());
+  ASSERT_EQ(::kill(Workers().front(), SIGKILL), 0);
+  const std::optional<ProcessEnd> end = run_->WaitFor(kDeadline);
+  ASSERT_TRUE(end.has_value()) << Log();
+  EXPECT_TRUE(end->ok()) << Describe(*end) << "\n" << Log();
+  const nlohmann::json record = nlohmann::json::parse(ReadFile(fs::path(output_) / "run.json"), nullptr, false);
+  ASSERT_FALSE(record.is_discarded());
+  EXPECT_EQ(record["respawns"], 1);
+  EXPECT_EQ(record["state"], "done");
+  EXPECT_THAT(Differences(Undisturbed(), DepthOf(output_)), IsEmpty());
+  EXPECT_TRUE(fs::is_empty(temporary_root_.path()));
+}
+
+TEST_F(RunInBackground, CleansUpWhenInterrupted) {
+  ASSERT_NO_FATAL_FAILURE(WaitForAFrame());
+  const std::vector<pid_t> workers = Workers();
+  run_->Signal(SIGINT);
+  const std::optional<ProcessEnd> end = run_->WaitFor(kDeadline);
+  ASSERT_TRUE(end.has_value()) << Log();
+  EXPECT_EQ(end->exit_code, 130) << Log();
+  EXPECT_TRUE(AllGone(workers));
+  EXPECT_TRUE(fs::is_empty(temporary_root_.path()));
+  EXPECT_THAT(Leftovers(output_), IsEmpty());
+  EXPECT_FALSE(fs::exists(fs::path(output_) / "depth.json"));
+}
+
+TEST_F(RunInBackground, NoProcessOutlivesItWhenItIsKilled) {
+  ASSERT_NO_FATAL_FAILURE(WaitForAFrame());
+  std::vector<pid_t> processes = Workers();
+  const std::vector<pid_t> coordinators = ChildrenOf(run_->pid(), "depthfarm-coordinator");
+  ASSERT_THAT(coordinators, SizeIs(1));
+  processes.push_back(coordinators.front());
+  run_->Signal(SIGKILL);
+  EXPECT_TRUE(AllGone(processes));
+}
+
+TEST_F(RunInBackground, ItsFolderIsFitForTheNextRunAfterAnInterruption) {
+  ASSERT_NO_FATAL_FAILURE(WaitForAFrame());
+  run_->Signal(SIGTERM);
+  const std::optional<ProcessEnd> end = run_->WaitFor(kDeadline);
+  ASSERT_TRUE(end.has_value()) << Log();
+  EXPECT_EQ(end->exit_code, 130) << Log();
+  const Outcome again = Depthfarm(Words{"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob());
+  EXPECT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_THAT(Differences(Undisturbed(), DepthOf(output_)), IsEmpty());
+}
+
+}  // namespace
+}  // namespace depthfarm::system_test
