@@ -122,7 +122,8 @@ void Lifecycle::On(const event::Granted& grant) {
   } else {
     Heard();
     slot_ = Slot{.lease = grant.lease, .expires = ask->second + lease_};
-    asks_.clear();
+    // Later asks crossed the grant on their way; the coordinator may answer one of them when this task has ended.
+    asks_.erase(asks_.begin(), std::next(ask));
     Do(action::StartTask{grant.lease});
   }
 }

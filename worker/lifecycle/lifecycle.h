@@ -199,7 +199,7 @@ class Lifecycle {
   std::optional<Slot> slot_;
   std::uint64_t last_ask_ = 0;
   std::uint64_t last_heartbeat_ = 0;
-  std::map<std::uint64_t, TimePoint> asks_;            // sent since the slot became free
+  std::map<std::uint64_t, TimePoint> asks_;            // sent after the one last granted
   std::map<std::uint64_t, SentHeartbeat> heartbeats_;  // not answered yet
 };
 

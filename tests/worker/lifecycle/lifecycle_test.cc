@@ -102,6 +102,25 @@ TEST_F(LifecycleTest, TakesAnEarlierAskThatIsStillFresh) {
   EXPECT_THAT(Handle(event::Granted{kTask, first}), ElementsAre(action::StartTask{kTask}));
 }
 
+TEST_F(LifecycleTest, TakesAnAskThatCrossedAGrantWhenItIsFreeAgain) {
+  const std::uint64_t first = Join();
+  Pass(kHeartbeat);
+  const TimePoint asked = now_;
+  const std::uint64_t second = Only<action::SendAsk>(Tick()).ask_id;
+  (void)Handle(event::Granted{kTask, first});
+  Pass(Milliseconds(500));
+  (void)Handle(event::TaskEnded{kTask});
+  EXPECT_THAT(Handle(event::Granted{LeaseId{42}, second}), ElementsAre(action::StartTask{LeaseId{42}}));
+  EXPECT_LE(worker_.NextDue(), asked + kLease);
+}
+
+TEST_F(LifecycleTest, NoAskIsGrantedTwice) {
+  const std::uint64_t ask = Join();
+  (void)Handle(event::Granted{kTask, ask});
+  (void)Handle(event::TaskEnded{kTask});
+  EXPECT_EQ(Count<action::RefuseGrant>(Handle(event::Granted{LeaseId{42}, ask})), 1);
+}
+
 TEST_F(LifecycleTest, RefusesAGrantForAnAskOlderThanHalfALeaseAndAsksAgain) {
   const std::uint64_t ask = Join();
   Pass(kLease / 2 + Milliseconds(1));
