@@ -1,7 +1,6 @@
 #include "worker/media_cli/scene_files.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -34,7 +33,7 @@ void AppendSample(Bytes& bytes, double value, double largest, int bits) {
   AppendLittleEndian(bytes, static_cast<std::uint32_t>(rounded), bits > 8 ? 2 : 1);
 }
 
-double Luma(const std::array<std::uint8_t, 3>& rgb) { return 0.299 * rgb[0] + 0.587 * rgb[1] + 0.114 * rgb[2]; }
+double Luma(const Rgb8& rgb) { return 0.299 * rgb.r + 0.587 * rgb.g + 0.114 * rgb.b; }
 
 }  // namespace
 
@@ -73,14 +72,14 @@ Bytes EncodeYuv420(const RgbImage& rgb, int bits) {
   Bytes bytes;
   bytes.reserve((bits > 8 ? 2 : 1) * (rgb.size() * 3 / 2 + rgb.width() + rgb.height() + 2));
   for (const auto& pixel : rgb.values()) AppendSample(bytes, unit * Luma(pixel), largest, bits);
-  for (const int channel : {2, 0}) {  // Cb from blue, Cr from red
-    const double scale = unit / (channel == 2 ? 1.772 : 1.402);
+  for (const auto channel : {&Rgb8::b, &Rgb8::r}) {  // Cb from blue, Cr from red
+    const double scale = unit / (channel == &Rgb8::b ? 1.772 : 1.402);
     for (int y = 0; y < rgb.height(); y += 2) {
       for (int x = 0; x < rgb.width(); x += 2) {
         double sum = 0;
         for (int i = 0; i < 4; ++i) {  // at an odd border the last column or row counts twice
           const auto& pixel = rgb(std::min(x + i % 2, rgb.width() - 1), std::min(y + i / 2, rgb.height() - 1));
-          sum += pixel[channel] - Luma(pixel);
+          sum += pixel.*channel - Luma(pixel);
         }
         AppendSample(bytes, middle + scale * sum / 4, largest, bits);
       }
