@@ -20,6 +20,16 @@ struct Ycbcr {
 // A view's picture at full chroma resolution.
 using YcbcrImage = Grid<Ycbcr>;
 
+// R'G'B' of 8 bits each: what a renderer makes and what people look at.
+struct Rgb8 {
+  std::uint8_t r = 0;
+  std::uint8_t g = 0;
+  std::uint8_t b = 0;
+  bool operator==(const Rgb8&) const = default;
+};
+
+using RgbImage = Grid<Rgb8>;
+
 // z along the view's own optical axis in the sequence's unit of length, > 0; 0 = no depth.
 using DepthMap = Grid<float>;
 

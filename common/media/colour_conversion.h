@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "common/image/picture.h"
 
@@ -15,12 +16,14 @@ struct YcbcrReal {
   double cr = 0;
 };
 
-// To 8-bit units: nearest, halves up, clamped to 0..255. The one rounding of a picture's samples.
+// Nearest, halves up, clamped to 0..255.
+[[nodiscard]] inline std::uint8_t RoundedToByte(double value) {
+  return static_cast<std::uint8_t>(std::clamp(std::floor(value + 0.5), 0.0, 255.0));
+}
+
+// To 8-bit units. The one rounding of a picture's samples.
 [[nodiscard]] inline Ycbcr RoundedTo8Bit(const YcbcrReal& colour) {
-  const auto round = [](double value) {
-    return static_cast<std::uint8_t>(std::clamp(std::floor(value + 0.5), 0.0, 255.0));
-  };
-  return {round(colour.y), round(colour.cb + 128), round(colour.cr + 128), 0};
+  return {RoundedToByte(colour.y), RoundedToByte(colour.cb + 128), RoundedToByte(colour.cr + 128), 0};
 }
 
 // R'G'B' (0..255) to full-range BT.601 Y'CbCr: Y' = 0.299 R + 0.587 G + 0.114 B, Cb = (B - Y') / 1.772,

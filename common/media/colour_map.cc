@@ -2,26 +2,27 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "common/media/colour_conversion.h"
 #include "common/media/image_codec.h"
 
 namespace depthfarm {
 namespace {
 
 constexpr std::int64_t kMaxSheetPixels = std::int64_t{1} << 28;
-constexpr Rgb kWhite = {255, 255, 255};
+constexpr Rgb8 kWhite = {255, 255, 255};
 
 // The 256 colours of TURBO: 0 dark blue, 255 dark red.
-Result<std::array<Rgb, 256>> TurboColours() {
+Result<std::array<Rgb8, 256>> TurboColours() {
   try {
     cv::Mat ramp(1, 256, CV_8UC1);
     for (int i = 0; i < 256; ++i) ramp.at<std::uint8_t>(0, i) = static_cast<std::uint8_t>(i);
     cv::Mat bgr;
     cv::applyColorMap(ramp, bgr, cv::COLORMAP_TURBO);
-    std::array<Rgb, 256> colours;
+    std::array<Rgb8, 256> colours;
     for (int i = 0; i < 256; ++i) {
       const auto& pixel = bgr.at<cv::Vec3b>(0, i);
       colours[static_cast<std::size_t>(i)] = {pixel[2], pixel[1], pixel[0]};
@@ -30,10 +31,6 @@ Result<std::array<Rgb, 256>> TurboColours() {
   } catch (const cv::Exception& error) {
     return Internal(std::string("colour map: ") + error.what());
   }
-}
-
-std::uint8_t Rounded(double value) {
-  return static_cast<std::uint8_t>(std::clamp(std::floor(value + 0.5), 0.0, 255.0));
 }
 
 }  // namespace
@@ -56,8 +53,15 @@ RgbImage ToRgb(const YcbcrImage& picture) {
     const double r = pixel.y + 1.402 * cr;
     const double b = pixel.y + 1.772 * cb;
     const double g = (pixel.y - 0.299 * r - 0.114 * b) / 0.587;
-    return Rgb{Rounded(r), Rounded(g), Rounded(b)};
+    return Rgb8{RoundedToByte(r), RoundedToByte(g), RoundedToByte(b)};
   });
+  return result;
+}
+
+YcbcrImage ToYcbcr(const RgbImage& picture) {
+  YcbcrImage result(picture.width(), picture.height());
+  std::transform(picture.values().begin(), picture.values().end(), result.values().begin(),
+                 [](const Rgb8& pixel) { return RoundedTo8Bit(Bt601FromRgb(pixel.r, pixel.g, pixel.b)); });
   return result;
 }
 
@@ -88,7 +92,7 @@ Result<RgbImage> ContactSheet(const std::vector<RgbImage>& pictures, int columns
     const auto left = static_cast<int>(index % across * (cell_width + gap));
     const auto top = static_cast<int>(index / across * (cell_height + gap));
     for (int y = 0; y < pictures[i].height(); ++y) {
-      const Rgb* row = pictures[i].row(y);
+      const Rgb8* row = pictures[i].row(y);
       std::copy(row, row + pictures[i].width(), sheet.row(top + y) + left);
     }
   }
@@ -102,13 +106,15 @@ RgbImage Shrunk(const RgbImage& picture, int factor) {
       std::array<std::int64_t, 3> sum = {0, 0, 0};
       for (int sy = y * factor; sy < (y + 1) * factor; ++sy) {
         for (int sx = x * factor; sx < (x + 1) * factor; ++sx) {
-          const Rgb& pixel = picture(sx, sy);
+          const Rgb8& pixel = picture(sx, sy);
           sum[0] += pixel.r;
           sum[1] += pixel.g;
           sum[2] += pixel.b;
         }
       }
-      const auto mean = [&](std::int64_t value) { return Rounded(static_cast<double>(value) / (factor * factor)); };
+      const auto mean = [&](std::int64_t value) {
+        return RoundedToByte(static_cast<double>(value) / (factor * factor));
+      };
       result(x, y) = {mean(sum[0]), mean(sum[1]), mean(sum[2])};
     }
   }
@@ -118,7 +124,7 @@ RgbImage Shrunk(const RgbImage& picture, int factor) {
 Result<std::string> EncodeRgbPng(const RgbImage& picture) {
   std::vector<std::uint8_t> bgr;
   bgr.reserve(picture.size() * 3);
-  for (const Rgb& pixel : picture.values()) bgr.insert(bgr.end(), {pixel.b, pixel.g, pixel.r});
+  for (const Rgb8& pixel : picture.values()) bgr.insert(bgr.end(), {pixel.b, pixel.g, pixel.r});
   return EncodePng(cv::Mat(picture.height(), picture.width(), CV_8UC3, bgr.data()));
 }
 

@@ -1,7 +1,6 @@
 #ifndef DEPTHFARM_COMMON_MEDIA_COLOUR_MAP_H_
 #define DEPTHFARM_COMMON_MEDIA_COLOUR_MAP_H_
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,22 +10,14 @@
 
 namespace depthfarm {
 
-struct Rgb {
-  std::uint8_t r = 0;
-  std::uint8_t g = 0;
-  std::uint8_t b = 0;
-  bool operator==(const Rgb&) const = default;
-};
-
-// A picture for people: of depth maps, errors, views. Nothing is computed from it.
-using RgbImage = Grid<Rgb>;
-
 // Depth in colours: linear in inverse depth over the range of `code`, the nearest red, the farthest blue (OpenCV's
 // TURBO map), no depth black.
 [[nodiscard]] Result<RgbImage> ColourMapped(const DepthMap& depth, const DepthCode& code);
 
 // A picture as it looks: full-range BT.601 to R'G'B', rounded and clamped.
 [[nodiscard]] RgbImage ToRgb(const YcbcrImage& picture);
+// Its inverse but for roundings and colours that the other has no place for.
+[[nodiscard]] YcbcrImage ToYcbcr(const RgbImage& picture);
 
 // Pictures side by side, `columns` a row, `gap` white pixels between them; each at the top left of a cell as large as
 // the largest picture. kInvalidArgument: no picture, columns < 1, gap < 0, or a sheet of more than 2^28 pixels.

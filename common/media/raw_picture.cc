@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <string>
+#include <cmath>
 
 #include "common/media/colour_conversion.h"
 
@@ -14,7 +14,7 @@ std::string FormatName(const PictureFormat& format) {
          (format.bits > 8 ? "le" : "");
 }
 
-int BytesPerSample(const PictureFormat& format) { return format.bits > 8 ? 2 : 1; }
+int BytesPerSample(int bits) { return bits > 8 ? 2 : 1; }
 
 int HalfSize(int size) { return (size + 1) / 2; }
 
@@ -30,7 +30,7 @@ Status CheckSize(std::string_view bytes, const PictureFormat& format, int width,
 Result<Grid<std::uint16_t>> TakePlane(std::string_view* bytes, const PictureFormat& format, int width, int height) {
   Grid<std::uint16_t> plane(width, height);
   const auto* data = reinterpret_cast<const unsigned char*>(bytes->data());
-  const std::size_t size = static_cast<std::size_t>(BytesPerSample(format));
+  const std::size_t size = static_cast<std::size_t>(BytesPerSample(format.bits));
   const int max = (1 << format.bits) - 1;
   for (std::size_t i = 0; i < plane.size(); ++i) {
     const int sample = size == 1 ? data[i] : data[2 * i] | (data[2 * i + 1] << 8);
@@ -71,6 +71,18 @@ RangeConversion ConversionOf(const PictureFormat& format) {
   return {16 * unit, 255 / (219 * unit), 128 * unit, 255 / (224 * unit)};
 }
 
+void AppendSample(double value, int bits, std::string& bytes) {
+  const double max = (1 << bits) - 1;
+  const auto sample = static_cast<std::uint32_t>(std::clamp(std::floor(value + 0.5), 0.0, max));
+  for (int i = 0; i < BytesPerSample(bits); ++i) bytes.push_back(static_cast<char>(sample >> (8 * i) & 0xff));
+}
+
+// The colour of a pixel, edges repeated.
+YcbcrReal ColourAt(const RgbImage& picture, int x, int y) {
+  const Rgb8& pixel = picture(std::clamp(x, 0, picture.width() - 1), std::clamp(y, 0, picture.height() - 1));
+  return Bt601FromRgb(pixel.r, pixel.g, pixel.b);
+}
+
 }  // namespace
 
 std::uint64_t RawPictureBytes(const PictureFormat& format, int width, int height) {
@@ -78,7 +90,7 @@ std::uint64_t RawPictureBytes(const PictureFormat& format, int width, int height
   if (format.kind == PictureFormat::Kind::kYuv420) {
     samples += 2 * static_cast<std::uint64_t>(HalfSize(width)) * static_cast<std::uint64_t>(HalfSize(height));
   }
-  return samples * static_cast<std::uint64_t>(BytesPerSample(format));
+  return samples * static_cast<std::uint64_t>(BytesPerSample(format.bits));
 }
 
 Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat& format, int width, int height,
@@ -118,6 +130,29 @@ Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat&
     }
   }
   return result;
+}
+
+std::string EncodeRawYuv420(const RgbImage& picture, int bits) {
+  const PictureFormat format = {PictureFormat::Kind::kYuv420, bits, true, false};
+  const RangeConversion conversion = ConversionOf(format);
+  std::string bytes;
+  bytes.reserve(RawPictureBytes(format, picture.width(), picture.height()));
+  for (const Rgb8& pixel : picture.values()) {
+    AppendSample(Bt601FromRgb(pixel.r, pixel.g, pixel.b).y / conversion.y_scale, bits, bytes);
+  }
+  for (const auto channel : {&YcbcrReal::cb, &YcbcrReal::cr}) {
+    const auto across = [&](int x, int y) {
+      return ColourAt(picture, x - 1, y).*channel + 2 * ColourAt(picture, x, y).*channel +
+             ColourAt(picture, x + 1, y).*channel;
+    };
+    for (int y = 0; y < picture.height(); y += 2) {
+      for (int x = 0; x < picture.width(); x += 2) {
+        const double mean = (across(x, y) + across(x, y + 1)) / 8;
+        AppendSample(conversion.chroma_zero + mean / conversion.chroma_scale, bits, bytes);
+      }
+    }
+  }
+  return bytes;
 }
 
 Result<Grid<std::uint16_t>> DecodeRawLuma(std::string_view bytes, const PictureFormat& format, int width, int height) {

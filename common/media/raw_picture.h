@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_MEDIA_RAW_PICTURE_H_
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "common/base/status.h"
@@ -24,6 +25,11 @@ namespace depthfarm {
 // Errors (kInvalidArgument, without the path): another number of bytes (both are said), a sample beyond `bits`.
 [[nodiscard]] Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat& format, int width,
                                                   int height, int downscale);
+
+// The inverse: planar full-range BT.601 4:2:0 without a header, `bits` 8..16 (two bytes little-endian beyond 8). A
+// chroma sample is the mean of what lies around its place, which is the one that decoding assumes: weights 1/4, 1/2,
+// 1/4 across, 1/2, 1/2 down, edges repeated.
+[[nodiscard]] std::string EncodeRawYuv420(const RgbImage& picture, int bits);
 
 // The Y samples alone, as stored, e.g. of depth maps kept as video.
 [[nodiscard]] Result<Grid<std::uint16_t>> DecodeRawLuma(std::string_view bytes, const PictureFormat& format, int width,

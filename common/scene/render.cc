@@ -187,14 +187,4 @@ RenderedView RenderView(const Scene& scene, const Camera& camera, int frame, con
   return view;
 }
 
-YcbcrImage ToYcbcr(const RgbImage& rgb) {
-  YcbcrImage result(rgb.width(), rgb.height());
-  for (std::size_t i = 0; i < rgb.size(); ++i) {
-    const auto [r, g, b] = rgb.values()[i];
-    const double y = 0.299 * r + 0.587 * g + 0.114 * b;
-    result.values()[i] = {.y = ToByte(y), .cb = ToByte(128 + (b - y) / 1.772), .cr = ToByte(128 + (r - y) / 1.402)};
-  }
-  return result;
-}
-
 }  // namespace depthfarm

@@ -1,17 +1,11 @@
 #ifndef DEPTHFARM_COMMON_SCENE_RENDER_H_
 #define DEPTHFARM_COMMON_SCENE_RENDER_H_
 
-#include <array>
-#include <cstdint>
-
 #include "common/geometry/camera.h"
 #include "common/image/picture.h"
 #include "common/scene/scene.h"
 
 namespace depthfarm {
-
-// A picture of red, green, blue, 8 bits each.
-using RgbImage = Grid<std::array<std::uint8_t, 3>>;
 
 struct RenderOptions {
   double noise = 1.5;        // standard deviation of the sensor noise, 8-bit units; 0 = none
@@ -31,9 +25,6 @@ struct RenderedView {
 // result's.
 [[nodiscard]] RenderedView RenderView(const Scene& scene, const Camera& camera, int frame,
                                       const RenderOptions& options);
-
-// Full-range BT.601 at full chroma resolution.
-[[nodiscard]] YcbcrImage ToYcbcr(const RgbImage& rgb);
 
 }  // namespace depthfarm
 

@@ -7,12 +7,16 @@
 #include <system_error>
 #include <vector>
 
+#include "common/files/atomic_file.h"
 #include "common/geometry/neighbours.h"
+#include "common/media/colour_map.h"
+#include "common/media/grey_picture.h"
+#include "common/media/pfm.h"
+#include "common/media/raw_picture.h"
 #include "common/scene/array.h"
 #include "common/scene/render.h"
 #include "common/scene/scene.h"
 #include "common/scene/zone.h"
-#include "worker/media_cli/scene_files.h"
 
 namespace depthfarm {
 namespace {
@@ -53,15 +57,16 @@ ViewFiles FilesOf(const Camera& camera, int frame, const SceneCommandOptions& op
 
 Status WriteView(const RenderedView& view, const ViewFiles& files, const SceneCommandOptions& options) {
   const fs::path folder = options.output;
+  std::string picture;
   if (const int bits = RawBits(options.format); bits > 0) {
-    DEPTHFARM_RETURN_IF_ERROR(WriteWhole(folder / files.picture, EncodeYuv420(view.rgb, bits)));
+    picture = EncodeRawYuv420(view.rgb, bits);
   } else {
-    DEPTHFARM_ASSIGN_OR_RETURN(const Bytes picture, EncodePng(view.rgb));
-    DEPTHFARM_RETURN_IF_ERROR(WriteWhole(folder / files.picture, picture));
+    DEPTHFARM_ASSIGN_OR_RETURN(picture, EncodeRgbPng(view.rgb));
   }
-  DEPTHFARM_RETURN_IF_ERROR(WriteWhole(folder / files.depth, EncodePfm(view.depth)));
-  DEPTHFARM_ASSIGN_OR_RETURN(const Bytes zones, EncodePng(view.zones));
-  return WriteWhole(folder / files.zones, zones);
+  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(folder / files.picture, picture));
+  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(folder / files.depth, EncodePfm(view.depth)));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string zones, EncodeGreyPng(view.zones));
+  return WriteFileAtomically(folder / files.zones, zones);
 }
 
 Json Rows(const Eigen::Matrix3d& m) {
@@ -143,8 +148,8 @@ Status RunScene(const SceneCommandOptions& options) {
   const fs::path folder = options.output;
   const fs::path sequence_file = folder / "sequence.json";
   for (const Camera& camera : cameras) {
-    DEPTHFARM_RETURN_IF_ERROR(MakeFolder(folder / camera.name));
-    DEPTHFARM_RETURN_IF_ERROR(MakeFolder(folder / "truth" / camera.name));
+    DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder / camera.name));
+    DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder / "truth" / camera.name));
   }
   std::error_code error;
   fs::remove(sequence_file, error);
@@ -157,8 +162,7 @@ Status RunScene(const SceneCommandOptions& options) {
       DEPTHFARM_RETURN_IF_ERROR(WriteView(view, FilesOf(camera, frame, options), options));
     }
   }
-  const std::string json = SequenceJson(cameras, range, options).dump(1) + "\n";
-  return WriteWhole(sequence_file, Bytes(json.begin(), json.end()));
+  return WriteFileAtomically(sequence_file, SequenceJson(cameras, range, options).dump(1) + "\n");
 }
 
 }  // namespace depthfarm

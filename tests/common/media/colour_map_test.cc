@@ -13,17 +13,17 @@ TEST(ColourMap, NearIsWarmFarIsColdNothingIsBlack) {
   depth.values() = {1, 10, 0};
   const auto picture = ColourMapped(depth, *DepthCode::Create(1, 10));
   ASSERT_TRUE(picture.ok()) << picture.status().message();
-  const Rgb near = (*picture)(0, 0);
-  const Rgb far = (*picture)(1, 0);
+  const Rgb8 near = (*picture)(0, 0);
+  const Rgb8 far = (*picture)(1, 0);
   EXPECT_GT(near.r, near.b + 50);
   EXPECT_GT(far.b, far.r);
-  EXPECT_EQ((*picture)(2, 0), Rgb());
+  EXPECT_EQ((*picture)(2, 0), Rgb8());
 }
 
 TEST(ColourMap, ContactSheetPlacesPicturesInRowsOnWhite) {
-  const Rgb red = {255, 0, 0};
-  const Rgb blue = {0, 0, 255};
-  const Rgb white = {255, 255, 255};
+  const Rgb8 red = {255, 0, 0};
+  const Rgb8 blue = {0, 0, 255};
+  const Rgb8 white = {255, 255, 255};
   const auto sheet = ContactSheet({RgbImage(2, 2, red), RgbImage(3, 1, blue), RgbImage(1, 1, red)}, 2, 1);
   ASSERT_TRUE(sheet.ok()) << sheet.status().message();
   ASSERT_EQ(sheet->width(), 3 + 1 + 3);
@@ -49,8 +49,8 @@ TEST(ColourMap, ShrinkingAverages) {
   const RgbImage small = Shrunk(picture, 2);
   ASSERT_EQ(small.width(), 2);
   ASSERT_EQ(small.height(), 1);
-  EXPECT_EQ(small(0, 0), (Rgb{11, 20, 30}));
-  EXPECT_EQ(small(1, 0), (Rgb{10, 20, 30}));
+  EXPECT_EQ(small(0, 0), (Rgb8{11, 20, 30}));
+  EXPECT_EQ(small(1, 0), (Rgb8{10, 20, 30}));
 }
 
 TEST(ColourMap, PngKeepsTheOrderOfTheChannels) {
@@ -59,6 +59,21 @@ TEST(ColourMap, PngKeepsTheOrderOfTheChannels) {
   const auto picture = DecodePicture(*png, PictureFormat(), 2, 1, 1);
   ASSERT_TRUE(picture.ok());
   EXPECT_EQ((*picture)(0, 0).cr, 255);  // red
+}
+
+TEST(ColourMap, YcbcrMatchesBt601OnPrimaries) {
+  RgbImage rgb(5, 1);
+  rgb(0, 0) = {0, 0, 0};
+  rgb(1, 0) = {255, 255, 255};
+  rgb(2, 0) = {255, 0, 0};
+  rgb(3, 0) = {0, 255, 0};
+  rgb(4, 0) = {0, 0, 255};
+  const YcbcrImage converted = ToYcbcr(rgb);
+  EXPECT_EQ(converted(0, 0), (Ycbcr{.y = 0, .cb = 128, .cr = 128}));
+  EXPECT_EQ(converted(1, 0), (Ycbcr{.y = 255, .cb = 128, .cr = 128}));
+  EXPECT_EQ(converted(2, 0), (Ycbcr{.y = 76, .cb = 85, .cr = 255}));
+  EXPECT_EQ(converted(3, 0), (Ycbcr{.y = 150, .cb = 44, .cr = 21}));
+  EXPECT_EQ(converted(4, 0), (Ycbcr{.y = 29, .cb = 255, .cr = 107}));
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/media/colour_conversion.h"
+
 namespace depthfarm {
 namespace {
 
@@ -136,6 +138,61 @@ TEST(RawPicture, LumaIsReadAsStored) {
   const auto luma = DecodeRawLuma(Bytes({0, 1, 1022, 1023, 512, 512}, 10), {Kind::kYuv420, 10, false, false}, 2, 2);
   ASSERT_TRUE(luma.ok()) << luma.status().message();
   EXPECT_THAT(luma->values(), ::testing::ElementsAre(0, 1, 1022, 1023));
+}
+
+TEST(RawPicture, EncodingDiffersFromDecodingByRoundingsOnly) {
+  // Blue rises by 4 a column, red by 4 a row: Cb and Cr by about 2 a pixel. Chroma half a pixel beside its place would
+  // be 1 off everywhere; in its place an affine picture comes back as it was, but for the rows and columns that edges
+  // reach.
+  RgbImage rgb(61, 45);
+  for (int y = 0; y < rgb.height(); ++y) {
+    for (int x = 0; x < rgb.width(); ++x) {
+      rgb(x, y) = {static_cast<std::uint8_t>(4 * y), 100, static_cast<std::uint8_t>(4 * x)};
+    }
+  }
+  for (const int bits : {8, 10, 16}) {
+    const std::string bytes = EncodeRawYuv420(rgb, bits);
+    const auto picture = DecodeRawPicture(bytes, {Kind::kYuv420, bits, true, false}, rgb.width(), rgb.height(), 1);
+    ASSERT_TRUE(picture.ok()) << picture.status().message();
+    const double roundings = 0.5 + 0.5 * 255 / ((1 << bits) - 1) + 1e-9;  // of the result, of the samples
+    for (int y = 0; y < rgb.height(); ++y) {
+      for (int x = 0; x < rgb.width(); ++x) {
+        const bool inside = x >= 2 && y >= 2 && x < rgb.width() - 2 && y < rgb.height() - 2;
+        const double bound = roundings + (inside ? 0 : 1.5);
+        const YcbcrReal exact = Bt601FromRgb(rgb(x, y).r, rgb(x, y).g, rgb(x, y).b);
+        const Ycbcr& decoded = (*picture)(x, y);
+        EXPECT_NEAR(decoded.y, exact.y, roundings) << bits << " bits at " << x << ", " << y;
+        EXPECT_NEAR(decoded.cb, 128 + exact.cb, bound) << bits << " bits at " << x << ", " << y;
+        EXPECT_NEAR(decoded.cr, 128 + exact.cr, bound) << bits << " bits at " << x << ", " << y;
+      }
+    }
+  }
+}
+
+TEST(RawPicture, EncodedChromaLiesOnEvenColumnsAndBetweenRows) {
+  // Blue in column 2 of 5: half of its own sample and nothing of the others.
+  RgbImage column(5, 2);
+  column(2, 0) = column(2, 1) = {0, 0, 255};
+  const std::string across = EncodeRawYuv420(column, 8);
+  ASSERT_EQ(across.size(), 10U + 3 + 3);
+  EXPECT_EQ(across.substr(10, 3), Bytes({128, 192, 128}, 8));  // 128 + 127.5 / 2
+  // Blue in column 1: a quarter in the samples of both its neighbours.
+  column = RgbImage(5, 2);
+  column(1, 0) = column(1, 1) = {0, 0, 255};
+  EXPECT_EQ(EncodeRawYuv420(column, 8).substr(10, 3), Bytes({160, 160, 128}, 8));
+  // Blue in row 1 of 4: half of the first sample.
+  RgbImage row(2, 4);
+  row(0, 1) = row(1, 1) = {0, 0, 255};
+  EXPECT_EQ(EncodeRawYuv420(row, 8).substr(8, 2), Bytes({192, 128}, 8));
+}
+
+TEST(RawPicture, EncodedPlanesHaveHalfTheSizeRoundedUp) {
+  const std::string red = EncodeRawYuv420(RgbImage(3, 3, {255, 0, 0}), 8);
+  EXPECT_EQ(red, Bytes({76, 76, 76, 76, 76, 76, 76, 76, 76, 85, 85, 85, 85, 255, 255, 255, 255}, 8));
+}
+
+TEST(RawPicture, EncodedSamplesOfMoreBitsSpanTheFullRange) {
+  EXPECT_EQ(EncodeRawYuv420(RgbImage(2, 2, {255, 255, 255}), 10), Bytes({1023, 1023, 1023, 1023, 512, 512}, 10));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -200,7 +199,7 @@ TEST(RenderView, NoiseHasTheAskedDeviationAndIsFreshInEveryFrame) {
   double sum = 0;
   double squares = 0;
   for (std::size_t i = 0; i < one.rgb.size(); ++i) {
-    const double difference = static_cast<double>(one.rgb.values()[i][1]) - two.rgb.values()[i][1];
+    const double difference = static_cast<double>(one.rgb.values()[i].g) - two.rgb.values()[i].g;
     sum += difference;
     squares += difference * difference;
   }
@@ -222,8 +221,8 @@ TEST(RenderView, CamerasDifferByTheirGainAlone) {
     double before = 0;
     double after = 0;
     for (std::size_t i = 0; i < plain.rgb.size(); ++i) {
-      before += plain.rgb.values()[i][1];
-      after += gained.rgb.values()[i][1];
+      before += plain.rgb.values()[i].g;
+      after += gained.rgb.values()[i].g;
     }
     largest = std::max(largest, std::abs(after / before - 1));
   }
@@ -235,7 +234,7 @@ TEST(RenderView, PanelIsTextureless) {
   const Scene scene = MakeScene(1);
   const Camera camera = MakeArray(ArrayKind::kArc, 3, 320, 240, 1)[0];
   const RenderedView view = RenderView(scene, camera, 0, {.noise = 0, .gain = 0, .samples_per_side = 1});
-  std::optional<std::array<std::uint8_t, 3>> colour;
+  std::optional<Rgb8> colour;
   for (int y = 0; y < 240; ++y) {
     for (int x = 0; x < 320; ++x) {
       if (view.zones(x, y) != static_cast<int>(Zone::kPanel)) continue;
@@ -244,21 +243,6 @@ TEST(RenderView, PanelIsTextureless) {
     }
   }
   EXPECT_TRUE(colour.has_value());
-}
-
-TEST(ToYcbcr, MatchesBt601OnPrimaries) {
-  RgbImage rgb(5, 1);
-  rgb(0, 0) = {0, 0, 0};
-  rgb(1, 0) = {255, 255, 255};
-  rgb(2, 0) = {255, 0, 0};
-  rgb(3, 0) = {0, 255, 0};
-  rgb(4, 0) = {0, 0, 255};
-  const YcbcrImage converted = ToYcbcr(rgb);
-  EXPECT_EQ(converted(0, 0), (Ycbcr{.y = 0, .cb = 128, .cr = 128}));
-  EXPECT_EQ(converted(1, 0), (Ycbcr{.y = 255, .cb = 128, .cr = 128}));
-  EXPECT_EQ(converted(2, 0), (Ycbcr{.y = 76, .cb = 85, .cr = 255}));
-  EXPECT_EQ(converted(3, 0), (Ycbcr{.y = 150, .cb = 44, .cr = 21}));
-  EXPECT_EQ(converted(4, 0), (Ycbcr{.y = 29, .cb = 255, .cr = 107}));
 }
 
 }  // namespace
