@@ -8,8 +8,8 @@
 namespace depthfarm {
 namespace {
 
-// One level, and what the 16-bit codes of two depth files round: of 250 levels each is 262 codes, so that maps exactly one
-// level apart come out at 1 +- 0.004.
+// One level, and what the 16-bit codes of two depth files round: of 250 levels each is 262 codes, so that maps exactly
+// one level apart come out at 1 +- 0.004.
 constexpr double kAgreementLevels = 1.02;
 
 double Ratio(double part, std::int64_t whole) {

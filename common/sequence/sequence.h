@@ -12,9 +12,9 @@ namespace depthfarm {
 // How one picture file holds its samples.
 struct PictureFormat {
   enum class Kind {
-    kImage,    // whatever the image library decodes: PNG, JPEG, PPM, TIFF
-    kYuv420,   // planar Y, Cb, Cr without a header, chroma of half width and height (rounded up)
-    kYuv400,   // a Y plane without a header
+    kImage,   // whatever the image library decodes: PNG, JPEG, PPM, TIFF
+    kYuv420,  // planar Y, Cb, Cr without a header, chroma of half width and height (rounded up)
+    kYuv400,  // a Y plane without a header
   };
   Kind kind = Kind::kImage;
   int bits = 8;             // raw kinds: 8, or 9..16 stored little-endian in two bytes
@@ -27,10 +27,10 @@ struct PictureFormat {
 struct SequenceCamera {
   Camera camera;
   PictureFormat format;
-  std::vector<std::string> images;    // absolute paths; empty = calibrated but without pictures: not estimated
-  std::vector<std::string> masks;     // absolute paths, optional
-  std::vector<std::string> depth;     // absolute paths of supplied (estimated) depth, optional
-  std::optional<double> z_near;       // own range, the sequence's unit of length
+  std::vector<std::string> images;  // absolute paths; empty = calibrated but without pictures: not estimated
+  std::vector<std::string> masks;   // absolute paths, optional
+  std::vector<std::string> depth;   // absolute paths of supplied (estimated) depth, optional
+  std::optional<double> z_near;     // own range, the sequence's unit of length
   std::optional<double> z_far;
 };
 
@@ -43,25 +43,25 @@ struct GroundTruthView {
   };
   std::string view;
   Encoding encoding = Encoding::kDepthPfm;
-  double scale = 1;                    // the sequence's unit of length times pixels
-  double offset = 0;                   // pixels
+  double scale = 1;   // the sequence's unit of length times pixels
+  double offset = 0;  // pixels
   double divisor = 1;
-  std::vector<std::string> depth;      // absolute path per frame
-  std::vector<std::string> zones;      // absolute path per frame, 8-bit PNG of Zone values; may be empty
-  std::string nonoccluded_mask;        // absolute path, 255 = counted; may be empty (cones, venus: nonocc.png)
+  std::vector<std::string> depth;  // absolute path per frame
+  std::vector<std::string> zones;  // absolute path per frame, 8-bit PNG of Zone values; may be empty
+  std::string nonoccluded_mask;    // absolute path, 255 = counted; may be empty (cones, venus: nonocc.png)
 };
 
 // A calibrated multi-camera sequence as design section 2 describes it.
 struct Sequence {
   std::string name;
-  std::string file;                     // the JSON file it came from, absolute
+  std::string file;  // the JSON file it came from, absolute
   std::optional<double> z_near;
   std::optional<double> z_far;
-  double frame_rate = 0;                // 0 = unknown
-  std::string reference;                // camera name, empty = the centre camera
+  double frame_rate = 0;  // 0 = unknown
+  std::string reference;  // camera name, empty = the centre camera
   std::vector<SequenceCamera> cameras;
   std::vector<GroundTruthView> ground_truth;
-  std::vector<std::string> warnings;    // sentences for the user: what was understood only in part, e.g. ground truth
+  std::vector<std::string> warnings;  // sentences for the user: what was understood only in part, e.g. ground truth
 };
 
 }  // namespace depthfarm

@@ -13,9 +13,8 @@ std::string Line(std::string_view event, std::initializer_list<LogField> fields)
 }
 
 TEST(LogLine, IsAnEventAndItsFieldsInOrder) {
-  EXPECT_EQ(
-      Line("task_granted", {{"job", 12}, {"lease", std::uint64_t{991}}, {"reused", true}, {"cpu", 0.25}}),
-      "task_granted job=12 lease=991 reused=true cpu=0.25");
+  EXPECT_EQ(Line("task_granted", {{"job", 12}, {"lease", std::uint64_t{991}}, {"reused", true}, {"cpu", 0.25}}),
+            "task_granted job=12 lease=991 reused=true cpu=0.25");
 }
 
 TEST(LogLine, QuotesValuesThatWouldBreakTheForm) {
