@@ -10,37 +10,12 @@
 #include <filesystem>
 #include <system_error>
 
+#include "common/files/open_file.h"
+
 namespace depthfarm {
 namespace {
 
 constexpr int kNewFileMode = 0666;  // reduced by the umask of the process
-
-std::string SystemReason() { return std::generic_category().message(errno); }
-
-Status Failed(const std::string& path, const std::string& action) {
-  return Unavailable(path + ": cannot " + action + ": " + SystemReason());
-}
-
-// Closes the descriptor on every way out.
-class OpenFile {
- public:
-  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile() { (void)Close(); }
-
-  [[nodiscard]] bool ok() const { return descriptor_ >= 0; }
-  [[nodiscard]] int descriptor() const { return descriptor_; }
-  [[nodiscard]] bool Close() {
-    if (descriptor_ < 0) return true;
-    const int closed = close(descriptor_);
-    descriptor_ = -1;
-    return closed == 0;
-  }
-
- private:
-  int descriptor_;
-};
 
 // Distinct among the processes of a host (pid) and the calls of a process (counter); O_EXCL settles the rest.
 std::string TemporaryName(const std::string& path) {
@@ -50,15 +25,15 @@ std::string TemporaryName(const std::string& path) {
 
 Status WriteAll(const std::string& path, std::string_view bytes, Durability durability) {
   OpenFile file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode));
-  if (!file.ok()) return Failed(path, "create the file");
+  if (!file.ok()) return FileFailure(path, "create the file");
   while (!bytes.empty()) {
     const ssize_t written = write(file.descriptor(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return Failed(path, "write " + std::to_string(bytes.size()) + " bytes");
+    if (written < 0) return FileFailure(path, "write " + std::to_string(bytes.size()) + " bytes");
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (durability == Durability::kSynced && fsync(file.descriptor()) != 0) return Failed(path, "sync the file");
-  if (!file.Close()) return Failed(path, "close the file");
+  if (durability == Durability::kSynced && fsync(file.descriptor()) != 0) return FileFailure(path, "sync the file");
+  if (!file.Close()) return FileFailure(path, "close the file");
   return {};
 }
 
@@ -66,8 +41,8 @@ Status SyncFolderOf(const std::string& path) {
   const std::string parent = std::filesystem::path(path).parent_path().string();
   const std::string folder = parent.empty() ? "." : parent;
   const OpenFile opened(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!opened.ok()) return Failed(folder, "open the folder");
-  if (fsync(opened.descriptor()) != 0) return Failed(folder, "sync the folder");
+  if (!opened.ok()) return FileFailure(folder, "open the folder");
+  if (fsync(opened.descriptor()) != 0) return FileFailure(folder, "sync the folder");
   return {};
 }
 
@@ -76,9 +51,9 @@ Status SyncFolderOf(const std::string& path) {
 Result<std::string> ReadFileBytes(const std::string& path, std::uint64_t max_bytes) {
   // O_NONBLOCK: opening a pipe without a writer would wait for ever; it has no effect on regular files.
   const OpenFile file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file.ok()) return Failed(path, "open the file");
+  if (!file.ok()) return FileFailure(path, "open the file");
   struct stat facts {};
-  if (fstat(file.descriptor(), &facts) != 0) return Failed(path, "examine the file");
+  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
   if (!S_ISREG(facts.st_mode)) return InvalidArgument(path + ": is not a regular file");
   const auto size = static_cast<std::uint64_t>(facts.st_size);
   if (size > max_bytes) {
@@ -91,7 +66,7 @@ Result<std::string> ReadFileBytes(const std::string& path, std::uint64_t max_byt
     while (have < bytes.size()) {
       const ssize_t got = read(file.descriptor(), bytes.data() + have, bytes.size() - have);
       if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return Failed(path, "read the file");
+      if (got < 0) return FileFailure(path, "read the file");
       if (got == 0) return Unavailable(path + ": shrank while it was read");
       have += static_cast<std::size_t>(got);
     }
@@ -105,7 +80,7 @@ Status WriteFileAtomically(const std::string& path, std::string_view bytes, Dura
   const std::string temporary = TemporaryName(path);
   Status written = WriteAll(temporary, bytes, durability);
   if (written.ok() && std::rename(temporary.c_str(), path.c_str()) != 0) {
-    written = Failed(path, "rename " + temporary + " to it");
+    written = FileFailure(path, "rename " + temporary + " to it");
   }
   if (!written.ok()) {
     (void)unlink(temporary.c_str());

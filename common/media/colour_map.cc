@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "common/media/colour_conversion.h"
+#include "common/image/colour_conversion.h"
 #include "common/media/image_codec.h"
 
 namespace depthfarm {
@@ -55,13 +55,6 @@ RgbImage ToRgb(const YcbcrImage& picture) {
     const double g = (pixel.y - 0.299 * r - 0.114 * b) / 0.587;
     return Rgb8{RoundedToByte(r), RoundedToByte(g), RoundedToByte(b)};
   });
-  return result;
-}
-
-YcbcrImage ToYcbcr(const RgbImage& picture) {
-  YcbcrImage result(picture.width(), picture.height());
-  std::transform(picture.values().begin(), picture.values().end(), result.values().begin(),
-                 [](const Rgb8& pixel) { return RoundedTo8Bit(Bt601FromRgb(pixel.r, pixel.g, pixel.b)); });
   return result;
 }
 

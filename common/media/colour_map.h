@@ -16,8 +16,6 @@ namespace depthfarm {
 
 // A picture as it looks: full-range BT.601 to R'G'B', rounded and clamped.
 [[nodiscard]] RgbImage ToRgb(const YcbcrImage& picture);
-// Its inverse but for roundings and colours that the other has no place for.
-[[nodiscard]] YcbcrImage ToYcbcr(const RgbImage& picture);
 
 // Pictures side by side, `columns` a row, `gap` white pixels between them; each at the top left of a cell as large as
 // the largest picture. kInvalidArgument: no picture, columns < 1, gap < 0, or a sheet of more than 2^28 pixels.

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstdint>
 
+#include "common/base/little_endian.h"
 #include "common/files/atomic_file.h"
 
 namespace depthfarm {
@@ -76,10 +77,7 @@ std::string EncodePfm(const Grid<float>& values) {
   std::string bytes = "Pf\n" + std::to_string(values.width()) + " " + std::to_string(values.height()) + "\n-1.0\n";
   bytes.reserve(bytes.size() + values.size() * kBytesPerValue);
   for (int y = values.height() - 1; y >= 0; --y) {
-    for (int x = 0; x < values.width(); ++x) {
-      const auto bits = std::bit_cast<std::uint32_t>(values(x, y));
-      for (std::size_t i = 0; i < kBytesPerValue; ++i) bytes.push_back(static_cast<char>((bits >> (8 * i)) & 0xff));
-    }
+    for (int x = 0; x < values.width(); ++x) AppendU32(std::bit_cast<std::uint32_t>(values(x, y)), bytes);
   }
   return bytes;
 }

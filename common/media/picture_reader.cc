@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "common/files/atomic_file.h"
-#include "common/media/colour_conversion.h"
+#include "common/image/colour_conversion.h"
 #include "common/media/image_codec.h"
 #include "common/media/raw_picture.h"
 

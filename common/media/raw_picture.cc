@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/media/colour_conversion.h"
+#include "common/image/colour_conversion.h"
 
 namespace depthfarm {
 namespace {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "common/image/colour_conversion.h"
 #include "common/scene/hash.h"
 
 namespace depthfarm {
@@ -146,8 +147,6 @@ Rgb CameraGain(std::uint64_t camera_key, double deviation) {
   return Rgb::Ones() + deviation * (common.first * Rgb::Ones() + 0.3 * own).cwiseMax(-2.5).cwiseMin(2.5);
 }
 
-std::uint8_t ToByte(double value) { return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0)); }
-
 }  // namespace
 
 RenderedView RenderView(const Scene& scene, const Camera& camera, int frame, const RenderOptions& options) {
@@ -181,10 +180,17 @@ RenderedView RenderView(const Scene& scene, const Camera& camera, int frame, con
         const NormalPair first = Normals(noise_key, counter);
         colour += options.noise * Rgb(first.first, first.second, Normals(noise_key, counter + 1).first);
       }
-      view.rgb(x, y) = {ToByte(colour[0]), ToByte(colour[1]), ToByte(colour[2])};
+      view.rgb(x, y) = {RoundedToByte(colour[0]), RoundedToByte(colour[1]), RoundedToByte(colour[2])};
     }
   }
   return view;
+}
+
+YcbcrImage ToYcbcr(const RgbImage& rgb) {
+  YcbcrImage result(rgb.width(), rgb.height());
+  std::transform(rgb.values().begin(), rgb.values().end(), result.values().begin(),
+                 [](const Rgb8& pixel) { return RoundedTo8Bit(Bt601FromRgb(pixel.r, pixel.g, pixel.b)); });
+  return result;
 }
 
 }  // namespace depthfarm

@@ -26,6 +26,9 @@ struct RenderedView {
 [[nodiscard]] RenderedView RenderView(const Scene& scene, const Camera& camera, int frame,
                                       const RenderOptions& options);
 
+// Full-range BT.601 at full chroma resolution.
+[[nodiscard]] YcbcrImage ToYcbcr(const RgbImage& rgb);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_COMMON_SCENE_RENDER_H_

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "common/files/atomic_file.h"
+#include "common/sequence/frame_name.h"
 #include "common/sequence/json_fields.h"
 #include "common/sequence/read_sequence.h"
 
@@ -167,9 +168,7 @@ Result<std::map<std::string, ManifestNumberOrText>> ReadParameters(const JsonFie
 }  // namespace
 
 std::string DepthFileName(const std::string& camera, int frame, const std::string& extension) {
-  std::string digits = std::to_string(frame);
-  if (digits.size() < 4) digits.insert(0, 4 - digits.size(), '0');
-  return "depth/" + camera + "/" + digits + "." + extension;
+  return "depth/" + camera + "/" + FrameName(frame) + "." + extension;
 }
 
 Result<std::string> FormatDepthManifest(const DepthManifest& manifest) {

@@ -8,7 +8,6 @@
 
 #include "common/geometry/neighbours.h"
 #include "common/job/level_partition.h"
-#include "common/media/colour_map.h"
 #include "common/scene/render.h"
 #include "common/scene/scene.h"
 #include "worker/estimation/frame_problem.h"

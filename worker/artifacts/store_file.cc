@@ -7,33 +7,17 @@
 #include <algorithm>
 #include <cerrno>
 #include <new>
-#include <system_error>
 
+#include "common/base/little_endian.h"
 #include "common/files/atomic_file.h"
+#include "common/files/open_file.h"
 
 namespace depthfarm {
 namespace {
 
 constexpr std::string_view kMagic = "DFART001";
 
-Status Failed(const std::string& path, const std::string& action) {
-  return Unavailable(path + ": cannot " + action + ": " + std::generic_category().message(errno));
-}
-
-class OpenFile {
- public:
-  explicit OpenFile(const std::string& path) : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)) {}
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  ~OpenFile() {
-    if (ok()) close(descriptor_);
-  }
-  [[nodiscard]] bool ok() const { return descriptor_ >= 0; }
-  [[nodiscard]] int descriptor() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
+OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)); }
 
 // kUnavailable when the file ends before `count` bytes from `position` on.
 Result<std::string> ReadAt(const std::string& path, const OpenFile& file, std::uint64_t position, std::uint64_t count) {
@@ -44,7 +28,7 @@ Result<std::string> ReadAt(const std::string& path, const OpenFile& file, std::u
       const ssize_t got =
           pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(position + have));
       if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return Failed(path, "read the file");
+      if (got < 0) return FileFailure(path, "read the file");
       if (got == 0) return Unavailable(path + ": ends before byte " + std::to_string(position + count));
       have += static_cast<std::size_t>(got);
     }
@@ -65,16 +49,16 @@ Status WriteStoreFile(const std::string& path, const Sha256Digest& content_diges
   }
   file.append(kMagic);
   file.append(reinterpret_cast<const char*>(content_digest.data()), content_digest.size());
-  for (int shift = 0; shift < 64; shift += 8) file.push_back(static_cast<char>((artifact.size() >> shift) & 0xff));
+  AppendU64(artifact.size(), file);
   file.append(artifact);
   return WriteFileAtomically(path, file);
 }
 
 Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
-  const OpenFile file(path);
-  if (!file.ok()) return Failed(path, "open the file");
+  const OpenFile file = OpenToRead(path);
+  if (!file.ok()) return FileFailure(path, "open the file");
   struct stat facts {};
-  if (fstat(file.descriptor(), &facts) != 0) return Failed(path, "examine the file");
+  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
   if (!S_ISREG(facts.st_mode)) return Corrupt(path + ": is not a regular file");
   const auto size = static_cast<std::uint64_t>(facts.st_size);
   if (size < kStoreFileHeaderBytes) {
@@ -85,10 +69,7 @@ Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
   if (!header.starts_with(kMagic)) return Corrupt(path + ": is not an artifact file");
   StoreFileHeader result;
   std::copy_n(header.begin() + kMagic.size(), result.content_digest.size(), result.content_digest.begin());
-  for (int i = 7; i >= 0; --i) {
-    const auto byte = static_cast<unsigned char>(header[kMagic.size() + result.content_digest.size() + i]);
-    result.bytes = (result.bytes << 8) | byte;
-  }
+  result.bytes = ReadU64(header, kMagic.size() + result.content_digest.size());
   if (result.bytes != size - kStoreFileHeaderBytes) {
     return Corrupt(path + ": header says " + std::to_string(result.bytes) + " bytes, file holds " +
                    std::to_string(size - kStoreFileHeaderBytes));
@@ -97,8 +78,8 @@ Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
 }
 
 Result<std::string> ReadStoreFileBytes(const std::string& path, std::uint64_t offset, std::uint64_t count) {
-  const OpenFile file(path);
-  if (!file.ok()) return Failed(path, "open the file");
+  const OpenFile file = OpenToRead(path);
+  if (!file.ok()) return FileFailure(path, "open the file");
   return ReadAt(path, file, kStoreFileHeaderBytes + offset, count);
 }
 

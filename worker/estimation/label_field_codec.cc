@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "common/compression/little_endian.h"
+#include "common/base/little_endian.h"
 #include "common/compression/zstd_frame.h"
 
 namespace depthfarm {

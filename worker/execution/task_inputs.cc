@@ -100,11 +100,12 @@ Result<std::string> TaskInputs::FetchAndStore(const TaskInput& input) {
   return bytes;
 }
 
-std::shared_ptr<const ViewAnalysis> TaskInputs::FindAnalysis(const ArtifactKey& key) {
-  if (auto cached = cache_.FindAnalysis(key); cached != nullptr) return cached;
+template <typename Object>
+std::shared_ptr<const Object> TaskInputs::FindInStore(const ArtifactKey& key,
+                                                      Result<Object> (*decode)(std::string_view)) {
   const Result<std::string> bytes = store_.Get(key);
   if (!bytes.ok()) return nullptr;
-  auto decoded = Shared(DecodeAnalysis(*bytes));
+  auto decoded = Shared(decode(*bytes));
   if (!decoded.ok()) {
     store_.Drop(key);
     return nullptr;
@@ -113,17 +114,14 @@ std::shared_ptr<const ViewAnalysis> TaskInputs::FindAnalysis(const ArtifactKey& 
   return *decoded;
 }
 
+std::shared_ptr<const ViewAnalysis> TaskInputs::FindAnalysis(const ArtifactKey& key) {
+  auto cached = cache_.FindAnalysis(key);
+  return cached != nullptr ? cached : FindInStore(key, DecodeAnalysis);
+}
+
 std::shared_ptr<const LabelField> TaskInputs::FindLabels(const ArtifactKey& key) {
-  if (auto cached = cache_.FindLabels(key); cached != nullptr) return cached;
-  const Result<std::string> bytes = store_.Get(key);
-  if (!bytes.ok()) return nullptr;
-  auto decoded = Shared(DecodeLabelField(*bytes));
-  if (!decoded.ok()) {
-    store_.Drop(key);
-    return nullptr;
-  }
-  cache_.Put(key, *decoded);
-  return *decoded;
+  auto cached = cache_.FindLabels(key);
+  return cached != nullptr ? cached : FindInStore(key, DecodeLabelField);
 }
 
 Result<FrameAnalysis> TaskInputs::Analyses(InputRole role) const {

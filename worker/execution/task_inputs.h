@@ -4,6 +4,7 @@
 #include <memory>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/status.h"
@@ -48,6 +49,9 @@ class TaskInputs {
   };
   [[nodiscard]] Status LoadOne(const TaskInput& input);
   [[nodiscard]] Result<std::string> FetchAndStore(const TaskInput& input);
+  template <typename Object>
+  [[nodiscard]] std::shared_ptr<const Object> FindInStore(const ArtifactKey& key,
+                                                          Result<Object> (*decode)(std::string_view));
 
   ArtifactStore& store_;
   MemoryCache& cache_;

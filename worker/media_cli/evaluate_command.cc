@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <iomanip>
 #include <limits>
 #include <ostream>
-#include <sstream>
+#include <string>
 
 #include "common/files/atomic_file.h"
 #include "common/geometry/neighbours.h"
@@ -16,6 +15,7 @@
 #include "common/quality/single_plane.h"
 #include "common/quality/ssim.h"
 #include "common/scene/zone.h"
+#include "common/sequence/frame_name.h"
 #include "common/synthesis/synthesize_view.h"
 #include "worker/media_cli/evaluate_input.h"
 #include "worker/media_cli/evaluate_report.h"
@@ -147,11 +147,10 @@ class PictureWriter {
   [[nodiscard]] bool on() const { return !folder_.empty(); }
   [[nodiscard]] Status Write(const std::string& camera, int frame, const std::string& what,
                              const RgbImage& picture) const {
-    std::ostringstream file;
-    file << folder_ << "/" << camera << "/" << std::setw(4) << std::setfill('0') << frame << "_" << what << ".png";
-    DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder_ + "/" + camera));
+    const std::string folder = folder_ + "/" + camera;
+    DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder));
     DEPTHFARM_ASSIGN_OR_RETURN(const std::string png, EncodeRgbPng(picture));
-    return WriteFileAtomically(file.str(), png);
+    return WriteFileAtomically(folder + "/" + FrameName(frame) + "_" + what + ".png", png);
   }
 
  private:

@@ -17,6 +17,7 @@
 #include "common/scene/render.h"
 #include "common/scene/scene.h"
 #include "common/scene/zone.h"
+#include "common/sequence/frame_name.h"
 
 namespace depthfarm {
 namespace {
@@ -32,12 +33,6 @@ Status CheckBounds(const char* option, T value, T low, T high) {
   std::ostringstream text;
   text << "scene: " << option << " is " << value << ", expected " << low << " to " << high;
   return InvalidArgument(text.str());
-}
-
-std::string FrameName(int frame) {
-  std::string digits = std::to_string(frame);
-  if (digits.size() < 4) digits.insert(0, 4 - digits.size(), '0');
-  return digits;
 }
 
 // Bits of a sample of a raw format; 0 for PNG.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/media/colour_conversion.h"
+#include "common/image/colour_conversion.h"
 
 namespace depthfarm {
 namespace {

@@ -245,5 +245,20 @@ TEST(RenderView, PanelIsTextureless) {
   EXPECT_TRUE(colour.has_value());
 }
 
+TEST(ToYcbcr, MatchesBt601OnPrimaries) {
+  RgbImage rgb(5, 1);
+  rgb(0, 0) = {0, 0, 0};
+  rgb(1, 0) = {255, 255, 255};
+  rgb(2, 0) = {255, 0, 0};
+  rgb(3, 0) = {0, 255, 0};
+  rgb(4, 0) = {0, 0, 255};
+  const YcbcrImage converted = ToYcbcr(rgb);
+  EXPECT_EQ(converted(0, 0), (Ycbcr{.y = 0, .cb = 128, .cr = 128}));
+  EXPECT_EQ(converted(1, 0), (Ycbcr{.y = 255, .cb = 128, .cr = 128}));
+  EXPECT_EQ(converted(2, 0), (Ycbcr{.y = 76, .cb = 85, .cr = 255}));
+  EXPECT_EQ(converted(3, 0), (Ycbcr{.y = 150, .cb = 44, .cr = 21}));
+  EXPECT_EQ(converted(4, 0), (Ycbcr{.y = 29, .cb = 255, .cr = 107}));
+}
+
 }  // namespace
 }  // namespace depthfarm

@@ -1,0 +1,33 @@
+#ifndef DEPTHFARM_COMMON_FILES_OPEN_FILE_H_
+#define DEPTHFARM_COMMON_FILES_OPEN_FILE_H_
+
+#include <string>
+
+#include "common/base/status.h"
+
+namespace depthfarm {
+
+// A file descriptor, closed on every way out. One owner.
+class OpenFile {
+ public:
+  // What open() returned: below 0 nothing is open.
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() { (void)Close(); }
+
+  [[nodiscard]] bool ok() const { return descriptor_ >= 0; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  // False when closing tells of an error in what was written; a second call does nothing.
+  [[nodiscard]] bool Close();
+
+ private:
+  int descriptor_;
+};
+
+// kUnavailable "<path>: cannot <action>: <the system's reason>", the reason by errno.
+[[nodiscard]] Status FileFailure(const std::string& path, const std::string& action);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COMMON_FILES_OPEN_FILE_H_
