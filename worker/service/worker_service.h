@@ -36,7 +36,7 @@ struct WorkerOptions {
   std::string artifact_listen;                          // empty: DefaultArtifactEndpoint
   std::string advertise;                                // host name for peers; empty: this host's name, or as bound
   std::string software_version;
-  bool exit_with_parent = false;        // leave when the process that started this one is gone
+  bool exit_with_parent = false;        // leave when the process that started this one ends (after the start)
   std::optional<Milliseconds> give_up;  // leave after so long without the coordinator
 };
 
