@@ -29,7 +29,7 @@ struct EvaluateCommandOptions {
 //   agreement       of the two sources' depth (MeasureAgreement), both directions together;
 //   depth error     of every view with exact depth, by zone (MeasureDepthError).
 // Means over frames; depth errors over all pixels of all frames. Levels and their range come from the parameters that
-// depth.json records ("levels", "z_near", "z_far", "reference"), else from the sequence.
+// depth.json records ("levels", "zNear", "zFar", "reference"), else from the sequence.
 // With `pictures_dir`: DIR/<view>/<frame>_{synthesised,real,difference,exact}.png (difference: |luma| x 4) and
 // DIR/<source>/<frame>_depth.png.
 // Errors  kInvalidArgument: bad options, or files that can't be read or don't fit together; kInternal: the mean PSNR-Y

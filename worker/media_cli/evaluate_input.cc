@@ -89,8 +89,8 @@ Status AddViews(EvaluateInput& input) {
 
 // The planes that the depth was estimated on.
 Status SetLevels(EvaluateInput& input) {
-  double z_near = NumberParameter(input.manifest, "z_near").value_or(input.sequence.z_near.value_or(0));
-  double z_far = NumberParameter(input.manifest, "z_far").value_or(input.sequence.z_far.value_or(0));
+  double z_near = NumberParameter(input.manifest, "zNear").value_or(input.sequence.z_near.value_or(0));
+  double z_far = NumberParameter(input.manifest, "zFar").value_or(input.sequence.z_far.value_or(0));
   std::vector<Camera> cameras;
   for (const DepthManifestCamera& camera : input.manifest.cameras) {
     cameras.push_back(camera.camera);
