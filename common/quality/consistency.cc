@@ -49,9 +49,10 @@ AgreementFigures MeasureAgreement(const ViewDepth& view, const ViewDepth& other,
       if (!(depth_in_ref > 0) || !(p.depth_per_source > 0)) continue;
       if (!(p.x >= -0.5 && p.y >= -0.5 && p.x <= other.camera.width - 0.5 && p.y <= other.camera.height - 0.5))
         continue;
-      const std::optional<double> surface = SurfaceLevelAt(other, in_other, levels, p.x, p.y);
+      const double level = LevelIndex(levels, depth_in_ref);
+      const std::optional<double> surface = SurfaceLevelAt(other, in_other, levels, p.x, p.y, level);
       if (!surface) continue;
-      const double behind = *surface - LevelIndex(levels, depth_in_ref);  // > 0: the other view shows something nearer
+      const double behind = *surface - level;  // > 0: the other view shows something nearer
       const bool agrees = std::abs(behind) <= kAgreementLevels;
       ++figures.in_view;
       figures.in_view_agreeing += agrees ? 1 : 0;

@@ -20,7 +20,7 @@ double LevelIndex(const DepthLevels& levels, double depth_in_ref) {
 }
 
 std::optional<double> SurfaceLevelAt(const ViewDepth& view, const LevelsInView& levels_in_view,
-                                     const DepthLevels& levels, double x, double y) {
+                                     const DepthLevels& levels, double x, double y, double expected) {
   const DepthMap& depth = *view.depth;
   const double cx = std::clamp(x, 0.0, static_cast<double>(depth.width() - 1));
   const double cy = std::clamp(y, 0.0, static_cast<double>(depth.height() - 1));
@@ -28,14 +28,12 @@ std::optional<double> SurfaceLevelAt(const ViewDepth& view, const LevelsInView& 
   const int y0 = static_cast<int>(cy);
   const double tx = cx - x0;
   const double ty = cy - y0;
-  const int nearest_x = tx < 0.5 ? x0 : x0 + 1;
-  const int nearest_y = ty < 0.5 ? y0 : y0 + 1;
 
   double lowest = 0;
   double highest = 0;
   double inverse = 0;
-  std::optional<double> at_nearest;
-  bool one_surface = true;
+  std::optional<double> closest;
+  bool all_known = true;
   bool first = true;
   for (int j = 0; j < 2; ++j) {
     for (int i = 0; i < 2; ++i) {
@@ -44,21 +42,23 @@ std::optional<double> SurfaceLevelAt(const ViewDepth& view, const LevelsInView& 
       const double z = static_cast<double>(depth(px, py));
       const double depth_in_ref = z > 0 ? levels_in_view.DepthInRef(px, py, z) : 0;
       if (!(depth_in_ref > 0)) {
-        one_surface = false;
+        all_known = false;
         continue;
       }
       const double level = LevelIndex(levels, depth_in_ref);
-      if (px == nearest_x && py == nearest_y) at_nearest = level;
+      if (!closest || std::abs(level - expected) < std::abs(*closest - expected)) closest = level;
       lowest = first ? level : std::min(lowest, level);
       highest = first ? level : std::max(highest, level);
       first = false;
       inverse += (i == 0 ? 1 - tx : tx) * (j == 0 ? 1 - ty : ty) / z;
     }
   }
-  if (!one_surface || highest - lowest > kSameSurfaceLevels) return at_nearest;
+  if (!all_known) return closest;
   const double depth_in_ref = levels_in_view.DepthInRef(cx, cy, 1.0 / inverse);
-  if (!(depth_in_ref > 0)) return at_nearest;
-  return LevelIndex(levels, depth_in_ref);
+  if (!(depth_in_ref > 0)) return closest;
+  const double between = LevelIndex(levels, depth_in_ref);
+  const bool one_surface = highest - lowest <= kSameSurfaceLevels;
+  return one_surface || std::abs(between - expected) < std::abs(*closest - expected) ? between : *closest;
 }
 
 PixelMask VisibleInAny(const ViewDepth& view, const std::vector<ViewDepth>& others, const DepthLevels& levels) {
@@ -78,8 +78,9 @@ PixelMask VisibleInAny(const ViewDepth& view, const std::vector<ViewDepth>& othe
         if (!(p.x >= -0.5 && p.y >= -0.5 && p.x <= other.camera.width - 0.5 && p.y <= other.camera.height - 0.5)) {
           continue;
         }
-        const std::optional<double> surface = SurfaceLevelAt(other, in_other, levels, p.x, p.y);
-        if (!surface || *surface <= LevelIndex(levels, depth_in_ref) + kVisibilityLevels) visible(x, y) = 1;
+        const double level = LevelIndex(levels, depth_in_ref);
+        const std::optional<double> surface = SurfaceLevelAt(other, in_other, levels, p.x, p.y, level);
+        if (!surface || *surface <= level + kVisibilityLevels) visible(x, y) = 1;
       }
     }
   }

@@ -22,10 +22,11 @@ struct ViewDepth {
 [[nodiscard]] double LevelIndex(const DepthLevels& levels, double depth_in_ref);
 
 // Level of the surface that `view` shows at the sub-pixel position (x, y) inside its picture: 1/z interpolated between
-// the four pixels around it if they form one surface (levels at most 4 apart), else that of the nearest pixel.
-// Empty where there is no depth, or it lies behind the reference camera.
+// the four pixels around it if they form one surface (levels at most 4 apart). Else it is a steep surface or an
+// outline, where the position could be on either side: of the four and the value between them, the level nearest to
+// `expected`. Empty where there is no depth, or it lies behind the reference camera.
 [[nodiscard]] std::optional<double> SurfaceLevelAt(const ViewDepth& view, const LevelsInView& levels_in_view,
-                                                   const DepthLevels& levels, double x, double y);
+                                                   const DepthLevels& levels, double x, double y, double expected);
 
 // Pixels of `view` whose exact point is seen by at least one of `others`: it falls inside the picture and the exact
 // surface there isn't nearer by more than one level. All depths exact. Pixels without depth aren't set.

@@ -35,10 +35,9 @@ TEST_F(AgreementTest, ExactDepthAgreesWhereverItIsVisible) {
   EXPECT_GT(figures.non_occluded, 120 * 90 / 2);
   EXPECT_GT(figures.in_view, figures.non_occluded);  // something is occluded in this scene
   EXPECT_LT(figures.InViewPercent(), 100);
-  // Along the two outlines a pixel's nearest pixel in the other view may be across them.
-  EXPECT_GT(figures.NonOccludedPercent(), 99);
+  EXPECT_DOUBLE_EQ(figures.NonOccludedPercent(), 100);
   const AgreementFigures unaided = MeasureAgreement(left_exact_, right_exact_, levels_, nullptr);
-  EXPECT_GT(unaided.NonOccludedPercent(), 98.5);
+  EXPECT_DOUBLE_EQ(unaided.NonOccludedPercent(), 100);
 }
 
 TEST_F(AgreementTest, ExactDepthOfOnePlaneAgreesEverywhere) {

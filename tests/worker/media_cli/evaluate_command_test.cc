@@ -1,0 +1,182 @@
+#include "worker/media_cli/evaluate_command.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "tests/worker/media_cli/evaluated_scene.h"
+
+namespace depthfarm {
+namespace {
+
+// One scene serves all tests: rendering is what costs.
+class EvaluateCommandTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scene_ = std::make_unique<EvaluatedScene>();
+    exact_ = scene_->WriteDepth("exact", [](DepthMap&) {});
+    pair_ = scene_->WriteDepth("pair", [](DepthMap&) {}, {"cam1", "cam2"});
+    nearer_ = scene_->WriteDepth("nearer", [](DepthMap& depth) {
+      for (float& z : depth.values()) z *= 0.97F;
+    });
+    noisy_ = scene_->WriteDepth("noisy", [](DepthMap& depth) {
+      std::mt19937 random(1);
+      for (float& z : depth.values()) z *= 1.0F + 0.1F * (static_cast<float>(random() % 1000) / 1000.0F - 0.5F);
+    });
+  }
+  static void TearDownTestSuite() { scene_.reset(); }
+
+  static EvaluateCommandOptions Options(const std::string& depth_dir) {
+    EvaluateCommandOptions options;
+    options.sequence = scene_->sequence_file();
+    options.depth_dir = depth_dir;
+    options.json = true;
+    return options;
+  }
+  static nlohmann::json Report(const EvaluateCommandOptions& options) {
+    std::ostringstream out;
+    const Status status = RunEvaluate(options, out);
+    EXPECT_TRUE(status.ok()) << status.message();
+    return nlohmann::json::parse(out.str());
+  }
+  static Status Failure(const EvaluateCommandOptions& options) {
+    std::ostringstream out;
+    return RunEvaluate(options, out);
+  }
+
+  static std::unique_ptr<EvaluatedScene> scene_;
+  static std::string exact_;
+  static std::string pair_;
+  static std::string nearer_;
+  static std::string noisy_;
+};
+
+std::unique_ptr<EvaluatedScene> EvaluateCommandTest::scene_;
+std::string EvaluateCommandTest::exact_;
+std::string EvaluateCommandTest::pair_;
+std::string EvaluateCommandTest::nearer_;
+std::string EvaluateCommandTest::noisy_;
+
+TEST_F(EvaluateCommandTest, ExactDepthReachesTheCeilingAndHasNoError) {
+  const nlohmann::json report = Report(Options(exact_));
+  ASSERT_EQ(report["virtualViews"].size(), 2U);  // cam1 and cam2 lie between others, the ends of the arc don't
+  for (const nlohmann::json& view : report["virtualViews"]) {
+    EXPECT_NEAR(view["difference"]["psnrY"].get<double>(), 0, 0.05);
+    EXPECT_EQ(view["frames"].size(), 2U);
+    EXPECT_GT(view["estimated"]["psnrY"].get<double>(), view["singlePlanePsnrY"].get<double>() + 5);
+    // Of the railing, thinner than a pixel here, one view may show what falls between the pixels of the other.
+    EXPECT_GT(view["agreement"]["nonOccludedPercent"].get<double>(), 99);
+  }
+  const nlohmann::json& all = report["depthError"]["allViews"]["all"];
+  EXPECT_EQ(all["pixels"], 4 * 2 * 160 * 120);
+  EXPECT_EQ(all["bad1LevelPercent"], 0);
+  EXPECT_LT(all["meanPx"], 0.001);
+  EXPECT_EQ(all["completenessPercent"], 100);
+  EXPECT_TRUE(report["depthError"]["allViews"].contains("panel"));
+}
+
+TEST_F(EvaluateCommandTest, WorseDepthScoresWorse) {
+  const double exact = Report(Options(exact_))["mean"]["psnrY"];
+  const double nearer = Report(Options(nearer_))["mean"]["psnrY"];
+  const double noisy = Report(Options(noisy_))["mean"]["psnrY"];
+  EXPECT_GT(exact, nearer + 0.5);
+  EXPECT_GT(nearer, noisy + 0.5);
+  EXPECT_GT(Report(Options(noisy_))["depthError"]["allViews"]["all"]["bad1LevelPercent"], 5);
+}
+
+TEST_F(EvaluateCommandTest, ANamedViewAndItsSourcesAreTaken) {
+  EvaluateCommandOptions options = Options(exact_);
+  options.view = "cam0";
+  options.from = {"cam1", "cam3"};
+  options.first_frame = 1;
+  options.end_frame = 2;
+  const nlohmann::json report = Report(options);
+  ASSERT_EQ(report["virtualViews"].size(), 1U);
+  EXPECT_EQ(report["virtualViews"][0]["view"], "cam0");
+  EXPECT_EQ(report["virtualViews"][0]["from"], (nlohmann::json{"cam1", "cam3"}));
+  EXPECT_EQ(report["virtualViews"][0]["frames"].size(), 1U);
+}
+
+TEST_F(EvaluateCommandTest, WithoutAViewBetweenOthersOnlyDepthIsMeasured) {
+  const nlohmann::json report = Report(Options(pair_));
+  EXPECT_TRUE(report["virtualViews"].empty());
+  EXPECT_EQ(report["notes"].size(), 1U);
+  EXPECT_EQ(report["depthError"]["views"].size(), 2U);
+  EXPECT_TRUE(report["mean"]["psnrY"].is_null());
+}
+
+TEST_F(EvaluateCommandTest, ALeftOutViewIsSynthesised) {
+  const std::string sides = scene_->WriteDepth("sides", [](DepthMap&) {}, {"cam0", "cam2"});
+  const nlohmann::json report = Report(Options(sides));
+  ASSERT_EQ(report["virtualViews"].size(), 1U);
+  EXPECT_EQ(report["virtualViews"][0]["view"], "cam1");
+}
+
+TEST_F(EvaluateCommandTest, TheTableNamesItsScale) {
+  EvaluateCommandOptions options = Options(exact_);
+  options.json = false;
+  std::ostringstream out;
+  ASSERT_TRUE(RunEvaluate(options, out).ok());
+  EXPECT_NE(out.str().find("BT.601"), std::string::npos) << out.str();
+  EXPECT_NE(out.str().find("difference"), std::string::npos);
+  EXPECT_EQ(out.str().find("nan"), std::string::npos) << out.str();
+}
+
+TEST_F(EvaluateCommandTest, BelowTheBoundItFailsAfterReporting) {
+  EvaluateCommandOptions options = Options(noisy_);
+  options.min_psnr = 60;
+  std::ostringstream out;
+  const Status status = RunEvaluate(options, out);
+  EXPECT_EQ(status.code(), ErrorCode::kInternal);
+  EXPECT_NE(status.message().find("60.00"), std::string::npos) << status.message();
+  EXPECT_FALSE(out.str().empty());
+  options.min_psnr = 5;
+  EXPECT_TRUE(RunEvaluate(options, out).ok());
+}
+
+TEST_F(EvaluateCommandTest, PicturesAreWritten) {
+  EvaluateCommandOptions options = Options(exact_);
+  options.view = "cam1";
+  options.end_frame = 1;
+  options.pictures_dir = scene_->File("pictures");
+  ASSERT_EQ(Report(options)["virtualViews"].size(), 1U);
+  for (const char* name : {"cam1/0000_synthesised.png", "cam1/0000_real.png", "cam1/0000_difference.png",
+                           "cam1/0000_exact.png", "cam0/0000_depth.png", "cam2/0000_depth.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(options.pictures_dir + "/" + name)) << name;
+  }
+}
+
+TEST_F(EvaluateCommandTest, BadInputIsNamed) {
+  EvaluateCommandOptions options = Options(exact_);
+  options.view = "cam9";
+  EXPECT_EQ(Failure(options).code(), ErrorCode::kInvalidArgument);
+  EXPECT_NE(Failure(options).message().find("cam0, cam1, cam2, cam3"), std::string::npos) << Failure(options).message();
+  options.view = "cam0";  // an end of the arc
+  EXPECT_NE(Failure(options).message().find("--from"), std::string::npos) << Failure(options).message();
+  options.from = {"cam0"};
+  EXPECT_EQ(Failure(options).code(), ErrorCode::kInvalidArgument);
+
+  options = Options(pair_);
+  options.view = "cam1";
+  options.from = {"cam0", "cam2"};
+  EXPECT_NE(Failure(options).message().find("no depth of camera 'cam0'"), std::string::npos);
+
+  options = Options(exact_);
+  options.from = {"cam0"};
+  EXPECT_NE(Failure(options).message().find("--view"), std::string::npos);
+
+  options = Options(exact_);
+  options.end_frame = 3;
+  EXPECT_NE(Failure(options).message().find("0:2"), std::string::npos) << Failure(options).message();
+
+  options = Options(scene_->File("nowhere"));
+  EXPECT_FALSE(Failure(options).ok());
+}
+
+}  // namespace
+}  // namespace depthfarm
