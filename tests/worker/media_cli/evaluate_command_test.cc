@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -27,6 +28,10 @@ class EvaluateCommandTest : public testing::Test {
     noisy_ = scene_->WriteDepth("noisy", [](DepthMap& depth) {
       std::mt19937 random(1);
       for (float& z : depth.values()) z *= 1.0F + 0.1F * (static_cast<float>(random() % 1000) / 1000.0F - 0.5F);
+    });
+    noisier_ = scene_->WriteDepth("noisier", [](DepthMap& depth) {
+      std::mt19937 random(1);
+      for (float& z : depth.values()) z *= 1.0F + 0.3F * (static_cast<float>(random() % 1000) / 1000.0F - 0.5F);
     });
   }
   static void TearDownTestSuite() { scene_.reset(); }
@@ -54,6 +59,7 @@ class EvaluateCommandTest : public testing::Test {
   static std::string pair_;
   static std::string nearer_;
   static std::string noisy_;
+  static std::string noisier_;
 };
 
 std::unique_ptr<EvaluatedScene> EvaluateCommandTest::scene_;
@@ -61,6 +67,7 @@ std::string EvaluateCommandTest::exact_;
 std::string EvaluateCommandTest::pair_;
 std::string EvaluateCommandTest::nearer_;
 std::string EvaluateCommandTest::noisy_;
+std::string EvaluateCommandTest::noisier_;
 
 TEST_F(EvaluateCommandTest, ExactDepthReachesTheCeilingAndHasNoError) {
   const nlohmann::json report = Report(Options(exact_));
@@ -80,13 +87,30 @@ TEST_F(EvaluateCommandTest, ExactDepthReachesTheCeilingAndHasNoError) {
   EXPECT_TRUE(report["depthError"]["allViews"].contains("panel"));
 }
 
+// Like with like: a bias and a noise have no order between them that holds for every scene.
 TEST_F(EvaluateCommandTest, WorseDepthScoresWorse) {
   const double exact = Report(Options(exact_))["mean"]["psnrY"];
   const double nearer = Report(Options(nearer_))["mean"]["psnrY"];
   const double noisy = Report(Options(noisy_))["mean"]["psnrY"];
+  const double noisier = Report(Options(noisier_))["mean"]["psnrY"];
   EXPECT_GT(exact, nearer + 0.5);
-  EXPECT_GT(nearer, noisy + 0.5);
+  EXPECT_GT(exact, noisy + 0.5);
+  EXPECT_GT(noisy, noisier + 0.5);
   EXPECT_GT(Report(Options(noisy_))["depthError"]["allViews"]["all"]["bad1LevelPercent"], 5);
+}
+
+TEST_F(EvaluateCommandTest, LevelsAreThoseTheJobRecorded) {  // not those of the sequence's range: --z-near may differ
+  const std::string narrow = scene_->WriteDepth("narrow", [](DepthMap&) {});
+  const std::string file = narrow + "/depth.json";
+  nlohmann::json manifest = nlohmann::json::parse(std::ifstream(file));
+  const nlohmann::json sequence = nlohmann::json::parse(std::ifstream(scene_->sequence_file()));
+  const double z_near = sequence["zNear"];
+  const double z_far = sequence["zFar"];
+  manifest["parameters"]["zNear"] = 2 / (1 / z_near + 1 / z_far);  // half of the range of 1/z
+  manifest["parameters"]["zFar"] = z_far;
+  std::ofstream(file) << manifest.dump();
+  const double whole_px = Report(Options(exact_))["levelPx"];
+  EXPECT_NEAR(Report(Options(narrow))["levelPx"].get<double>(), whole_px / 2, 0.02 * whole_px);
 }
 
 TEST_F(EvaluateCommandTest, ANamedViewAndItsSourcesAreTaken) {
