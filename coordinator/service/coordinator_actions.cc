@@ -1,0 +1,83 @@
+// How the coordinator carries out what the scheduler decides.
+#include <cstddef>
+#include <vector>
+
+#include "common/log/log.h"
+#include "common/wire/task_wire.h"
+#include "coordinator/service/coordinator.h"
+
+namespace depthfarm {
+
+void Coordinator::Do(const Grant& action) {
+  v1::Envelope envelope;
+  v1::GrantTask* grant = envelope.mutable_grant_task();
+  grant->set_lease_id(action.lease.value());
+  grant->set_ask_id(action.ask_id);
+  grant->set_attempt(static_cast<std::uint32_t>(action.attempt));
+  TaskSpec spec = action.task.spec;
+  for (std::size_t i = 0; i < spec.inputs.size(); ++i) {
+    for (const WorkerId holder : action.task.holders[i]) {
+      if (const WorkerSession* session = workers_.Find(holder)) spec.inputs[i].locations.push_back(session->artifacts);
+    }
+  }
+  *grant->mutable_task() = ToProto(spec);
+  if (action.first_of_job) *grant->mutable_job() = jobs_.at(spec.id.job).config;
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const AcknowledgeHeartbeat& action) {
+  v1::Envelope envelope;
+  v1::HeartbeatAck* ack = envelope.mutable_heartbeat_ack();
+  ack->set_heartbeat_id(action.heartbeat_id);
+  for (const LeaseId lease : action.unknown) ack->add_unknown_leases(lease.value());
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const Revoke& action) {
+  v1::Envelope envelope;
+  envelope.mutable_revoke_lease()->set_lease_id(action.lease.value());
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const Release& action) {
+  v1::Envelope envelope;
+  for (const ArtifactKey& key : action.keys) envelope.mutable_release_artifacts()->add_keys(DigestBytes(key));
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const ForgetJob& action) {
+  v1::Envelope envelope;
+  envelope.mutable_job_ended()->set_job_id(action.job.value());
+  SendTo(action.worker, envelope);
+}
+
+void Coordinator::Do(const JobEnded& action) {
+  const JobSnapshot& job = action.job;
+  const char* state = job.state == JobState::kDone ? "done" : job.state == JobState::kFailed ? "failed" : "cancelled";
+  LogInfo("job_ended",
+          {{"job", job.id.value()}, {"state", state}, {"frames", job.frames_done}, {"retries", job.retries}});
+  history_.Add(job);
+  summaries_[job.id] = jobs_.at(job.id).summary;
+  std::erase_if(summaries_, [this](const auto& entry) { return history_.Find(entry.first) == nullptr; });
+  jobs_.erase(job.id);
+}
+
+void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }
+
+void Coordinator::Do(const Note& action) {
+  std::vector<LogField> fields;
+  for (const auto& [key, value] : action.fields) fields.emplace_back(key, value);
+  switch (action.severity) {
+    case Note::Severity::kInfo:
+      Log(LogLevel::kInfo, action.event, fields);
+      break;
+    case Note::Severity::kWarning:
+      Log(LogLevel::kWarning, action.event, fields);
+      break;
+    case Note::Severity::kError:
+      Log(LogLevel::kError, action.event, fields);
+      break;
+  }
+}
+
+}  // namespace depthfarm
