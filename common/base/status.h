@@ -49,7 +49,8 @@ class [[nodiscard]] Status {
 [[nodiscard]] inline Status Internal(std::string message) { return {ErrorCode::kInternal, std::move(message)}; }
 [[nodiscard]] inline Status Cancelled() { return {ErrorCode::kCancelled, "cancelled"}; }
 
-// A value, or why there is none. `value()` of a failed Result is a broken invariant and aborts.
+// A value, or why there is none. `value()` of a failed Result is a broken invariant and throws
+// std::bad_optional_access: ask ok() first.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -79,6 +80,7 @@ class [[nodiscard]] Result {
     if (!depthfarm_status_.ok()) return depthfarm_status_; \
   } while (false)
 
+// NOLINTBEGIN(bugprone-macro-parentheses): `lhs` may declare a variable, which cannot stand in parentheses
 // Declares `lhs` from a Result, or returns its failure: DEPTHFARM_ASSIGN_OR_RETURN(Camera camera, ReadCamera(file)).
 #define DEPTHFARM_CONCAT_INNER_(a, b) a##b
 #define DEPTHFARM_CONCAT_(a, b) DEPTHFARM_CONCAT_INNER_(a, b)
@@ -88,6 +90,7 @@ class [[nodiscard]] Result {
   auto result = (expression);                                     \
   if (!result.ok()) return result.status();                       \
   lhs = std::move(result).value()
+// NOLINTEND(bugprone-macro-parentheses)
 
 }  // namespace depthfarm
 

@@ -63,7 +63,8 @@ Result<DepthRange> OwnDepthRange(const Camera& view, const DepthLevels& levels) 
     visit(view.width - 1, y);
   }
   range.z_near = std::max(range.z_near, kNearestShare * levels.z_near());
-  if (!(range.z_near < range.z_far) || !std::isfinite(range.z_far)) {
+  const bool looks_back = OrderedDot(OpticalAxisInWorld(view), levels.axis_in_world()) <= 0;
+  if (looks_back || !(range.z_near < range.z_far) || !std::isfinite(range.z_far)) {
     return InvalidArgument("camera '" + view.name +
                            "' does not see the depth planes of the reference camera (it faces away from them or stands "
                            "behind them): leave it out with --views, or choose another reference");

@@ -25,7 +25,7 @@ class DepthLevels {
   [[nodiscard]] int count() const { return count_; }
   [[nodiscard]] double z_near() const { return z_near_; }
   [[nodiscard]] double z_far() const { return z_far_; }
-  // Distance of plane `level` from the reference camera's centre along its axis, in [z_near, z_far].
+  // Distance of plane `level` from the reference camera's centre along its axis, in [z_near, z_far] up to rounding.
   [[nodiscard]] double DepthInRef(int level) const;
   // The planes' common normal: the reference camera's optical axis in the world.
   [[nodiscard]] const Eigen::Vector3d& axis_in_world() const { return axis_; }
@@ -72,7 +72,8 @@ class LevelsInView {
 // that meet a plane in front of it (on each plane the extremes lie there, z being the inverse of an affine function of
 // the pixel). A view may stand between the planes: those behind it do not count, and those it nearly touches are cut
 // off at 1/20 of the reference's z_near, nearer than which nothing is expected; the depth files clamp there.
-// kInvalidArgument, naming the view, if no ray meets a plane in front of it.
+// kInvalidArgument, naming the view, if it looks back (its axis at 90 degrees or more to the reference's: it would see
+// the planes from behind) or no ray meets a plane in front of it.
 struct DepthRange {
   double z_near = 0;
   double z_far = 0;

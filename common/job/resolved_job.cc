@@ -50,6 +50,7 @@ Result<const SequenceCamera*> ReferenceCamera(const Sequence& sequence,
     return InvalidArgument("reference is '" + sequence.reference + "', which is no camera of the sequence");
   }
   std::vector<Camera> cameras;
+  cameras.reserve(views.size());
   for (const SequenceCamera* view : views) cameras.push_back(view->camera);
   return views[static_cast<std::size_t>(CentreCamera(cameras))];
 }

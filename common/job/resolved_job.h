@@ -49,8 +49,7 @@ struct ResolvedJob {
 //              widest baseline used;
 //   n          1 for small problems, else up to 8 (I frames; interleaving saves work even on one core) or 2 (P frames).
 // Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that
-// cannot see the levels or has no neighbour, no depth range, frames outside the sequence, more blocks than levels,
-// smoothing that would overflow 32-bit capacities.
+// cannot see the levels or has no neighbour, no depth range, frames outside the sequence, more blocks than levels.
 [[nodiscard]] Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams& params);
 
 }  // namespace depthfarm

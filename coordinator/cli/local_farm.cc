@@ -88,7 +88,7 @@ Status LocalFarm::StartProcesses() {
 Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
   return ChildProcess::Start(worker_program_,
                              {"--coordinator", endpoint_, "--cache-dir", (folder_ / (name + "-cache")).string(),
-                              "--exit-with-parent", "--log-level", options_.log_level},
+                              "--exit-with-parent", "--give-up-seconds", "30", "--log-level", options_.log_level},
                              LogOf(name));
 }
 

@@ -47,6 +47,11 @@ struct EstimationStats {
                                              const LabelField& first, const LabelField& second,
                                              const std::stop_token& stop, EstimationStats* stats);
 
+// kInvalidArgument unless `analysis` has one analysis per view, of the view's size and with segments.
+[[nodiscard]] Status CheckAnalysis(const ResolvedJob& job, const FrameAnalysis& analysis);
+// kInvalidArgument unless `field` has one level below L per segment of each view.
+[[nodiscard]] Status CheckLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& field);
+
 // Per-pixel depth of one view from its labels: the label's plane intersected with each pixel's ray gives the view's own
 // z. Result: H x W, 16-bit code of the depth files (design 2): 1 + round(65534 (1/z - 1/zFar) / (1/zNear - 1/zFar))
 // with the view's own range, 0 where the ray does not meet the plane in front of the view.

@@ -56,11 +56,6 @@ class FrameProblem {
   std::int32_t offset_steps_ = 0;
 };
 
-// kInvalidArgument unless `analysis` has one analysis per view, of the view's size and with segments.
-[[nodiscard]] Status CheckAnalysis(const ResolvedJob& job, const FrameAnalysis& analysis);
-// kInvalidArgument unless `field` has one level below L per segment of each view.
-[[nodiscard]] Status CheckLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& field);
-
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_WORKER_ESTIMATION_FRAME_PROBLEM_H_

@@ -41,35 +41,6 @@ Status CheckFrame(const TaskSpec& spec, const ResolvedJob& job) {
   return InvalidArgument(TaskName(spec.id) + ": the job has frames 0 to " + std::to_string(job.num_frames - 1));
 }
 
-// DepthCodes takes for granted that its three parts fit each other.
-Status CheckLabelsFit(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& field) {
-  if (field.views.size() != analysis.size()) {
-    return InvalidArgument("labels of " + std::to_string(field.views.size()) + " views, expected " +
-                           std::to_string(analysis.size()));
-  }
-  for (std::size_t v = 0; v < analysis.size(); ++v) {
-    const Camera& camera = job.views[v].camera;
-    const SegmentMap& segments = analysis[v]->segments;
-    if (segments.labels.width() != camera.width || segments.labels.height() != camera.height) {
-      return InvalidArgument("camera '" + camera.name + "': analysis of " + std::to_string(segments.labels.width()) +
-                             "x" + std::to_string(segments.labels.height()) + " pixels, expected " +
-                             std::to_string(camera.width) + "x" + std::to_string(camera.height));
-    }
-    const std::vector<Level>& levels = field.views[v].levels;
-    if (levels.size() != static_cast<std::size_t>(segments.num_segments())) {
-      return InvalidArgument("camera '" + camera.name + "': labels of " + std::to_string(levels.size()) +
-                             " segments, expected " + std::to_string(segments.num_segments()));
-    }
-    for (const Level level : levels) {
-      if (level >= job.params.levels) {
-        return InvalidArgument("camera '" + camera.name + "': level " + std::to_string(level) + ", the job has " +
-                               std::to_string(job.params.levels));
-      }
-    }
-  }
-  return {};
-}
-
 void Count(const EstimationStats& from, TaskStats& to) {
   to.sweeps = static_cast<std::uint32_t>(from.sweeps);
   to.energy = from.energy;
@@ -227,7 +198,8 @@ Status TaskExecutor::Emit(const Task& task, TaskOutcome& outcome) {
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
   DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
   DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 1));
-  DEPTHFARM_RETURN_IF_ERROR(CheckLabelsFit(task.job(), analysis, *labels[0]).WithContext(task.FrameName()));
+  DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(task.job(), analysis).WithContext(task.FrameName()));
+  DEPTHFARM_RETURN_IF_ERROR(CheckLabels(task.job(), analysis, *labels[0]).WithContext(task.FrameName()));
   for (std::size_t v = 0; v < analysis.size(); ++v) {
     if (task.stop.stop_requested()) return Cancelled();
     const std::string& camera = task.job().views[v].camera.name;

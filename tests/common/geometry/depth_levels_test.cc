@@ -203,7 +203,9 @@ TEST(OwnDepthRange, IsCutOffAtATwentiethOfTheNearestDepth) {
 TEST(OwnDepthRange, OfAViewThatSeesNoPlaneIsAnErrorThatNamesIt) {
   const DepthLevels levels = LevelsOf(CameraAt(0, 0, 0), 2, 30, 9);
   for (const Camera& blind : {Turned(CameraAt(0, 0, 0), std::numbers::pi), Turned(CameraAt(1, 0, 0), 2.5),
-                              CameraAt(0, 0, 30), CameraAt(0, 0, 31)}) {
+                              CameraAt(0, 0, 30), CameraAt(0, 0, 31),
+                              // beyond the farthest plane and looking back: it sees the planes from behind
+                              Turned(CameraAt(0, 0, 32), 2.8), Turned(CameraAt(0, 0, 32), std::numbers::pi)}) {
     const Result<DepthRange> range = OwnDepthRange(blind, levels);
     ASSERT_FALSE(range.ok());
     EXPECT_EQ(range.status().code(), ErrorCode::kInvalidArgument);

@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "common/digest/sha256.h"
-#include "tests/worker/artifacts/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "worker/artifacts/store_file.h"
 
 namespace depthfarm {
@@ -58,7 +58,7 @@ class ArtifactStoreTest : public testing::Test {
     ASSERT_TRUE(file.good());
   }
 
-  TemporaryFolder folder_;
+  testing_support::TemporaryFolder folder_;
   std::unique_ptr<ArtifactStore> store_;
 };
 

@@ -8,7 +8,7 @@
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
-#include "tests/worker/artifacts/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace depthfarm {
 namespace {
@@ -28,7 +28,7 @@ class OutputFolderTest : public testing::Test {
     std::ofstream(path) << content;
   }
 
-  TemporaryFolder temporary_;
+  testing_support::TemporaryFolder temporary_;
   fs::path dir_ = temporary_.path() / "out";
   OutputFolder folder_ = OutputFolder::At(dir_.string()).value();
 };

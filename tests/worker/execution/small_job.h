@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/job/task_spec.h"
-#include "tests/worker/artifacts/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "worker/execution/task_executor.h"
 
 namespace depthfarm {
@@ -25,7 +25,7 @@ struct TestWorker {
   TestWorker();
   TaskOutcome Execute(const TaskSpec& spec, const JobConfig& config) { return executor.Execute(spec, config, {}); }
 
-  TemporaryFolder folder;
+  testing_support::TemporaryFolder folder;
   std::unique_ptr<ArtifactStore> store;
   MemoryCache cache{64 << 20};
   StoreFetcher fetcher;
@@ -62,7 +62,7 @@ class SmallJob {
   void AddLabels(TaskSpec& spec, InputRole role, const TaskId& producer) const;
   [[nodiscard]] static TaskId FinalLabels(int frame);
 
-  TemporaryFolder folder_;
+  testing_support::TemporaryFolder folder_;
   std::map<TaskId, ArtifactInfo> artifacts_;
   std::map<TaskId, ContentDigest> pictures_;
   std::map<int, std::vector<OutputFile>> files_;  // by frame

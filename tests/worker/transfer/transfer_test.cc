@@ -8,7 +8,7 @@
 
 #include "common/digest/sha256.h"
 #include "common/wire/task_wire.h"
-#include "tests/worker/artifacts/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 #include "worker/transfer/artifact_client.h"
 #include "worker/transfer/artifact_server.h"
 
@@ -38,7 +38,7 @@ struct Holder {
   }
   [[nodiscard]] ArtifactLocation location() const { return {server->endpoint(), ""}; }
 
-  TemporaryFolder folder;
+  testing_support::TemporaryFolder folder;
   std::unique_ptr<ArtifactStore> store;
   std::unique_ptr<ArtifactServer> server;
 };
@@ -102,7 +102,7 @@ class TransferTest : public testing::Test {
   // A location nobody listens at.
   ArtifactLocation Nobody() const { return {"ipc://" + (folder_.path() / "nobody").string(), ""}; }
 
-  TemporaryFolder folder_;
+  testing_support::TemporaryFolder folder_;
   TransportContext context_;
   Holder holder_{context_, "ipc://*"};
   ArtifactClient client_{context_, {}, SmallChunks()};
@@ -254,7 +254,7 @@ TEST_F(TransferTest, StopsWhenAsked) {
 }
 
 TEST(AnswerPeer, RefusesWhatIsNoRequestForAChunk) {
-  const TemporaryFolder folder;
+  const testing_support::TemporaryFolder folder;
   const auto store = ArtifactStore::Open(folder.path(), 1 << 20).value();
   ASSERT_TRUE(store->Put(Key(1), "artifact").ok());
   const auto code_of = [&](const std::string& key, std::uint64_t offset, std::uint32_t max_bytes) {
