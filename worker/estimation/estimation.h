@@ -55,6 +55,7 @@ struct EstimationStats {
 // Per-pixel depth of one view from its labels: the label's plane intersected with each pixel's ray gives the view's own
 // z. Result: H x W, 16-bit code of the depth files (design 2): 1 + round(65534 (1/z - 1/zFar) / (1/zNear - 1/zFar))
 // with the view's own range, 0 where the ray does not meet the plane in front of the view.
+// The parts must fit each other: CheckAnalysis, CheckLabels.
 [[nodiscard]] Grid<std::uint16_t> DepthCodes(const ResolvedJob& job, int view_index,
                                              const Grid<SegmentIndex>& segment_labels, const ViewLabels& labels);
 
