@@ -94,7 +94,7 @@ class WorkerServiceTest : public testing::Test {
   }
 
   SmallJob job_;
-  TemporaryFolder folder_;
+  testing_support::TemporaryFolder folder_;
   TransportContext context_;
   std::unique_ptr<ServerChannel> channel_;
   Poller poller_;
