@@ -155,12 +155,16 @@ Status CheckLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const 
   for (std::size_t i = 0; i < field.views.size(); ++i) {
     const auto segments = static_cast<std::size_t>(analysis[i]->segments.num_segments());
     const ViewLabels& view = field.views[i];
-    const bool in_range =
-        std::all_of(view.levels.begin(), view.levels.end(), [&](Level level) { return level < job.params.levels; });
-    if (view.levels.size() != segments || view.unchanged.size() != segments || !in_range) {
-      return InvalidArgument("the labels of camera '" + job.views[i].camera.name + "' do not fit its " +
-                             std::to_string(segments) + " segments and " + std::to_string(job.params.levels) +
-                             " levels");
+    const std::string camera = "the labels of camera '" + job.views[i].camera.name + "'";
+    if (view.levels.size() != segments || view.unchanged.size() != segments) {
+      return InvalidArgument(camera + " are " + std::to_string(view.levels.size()) + ", its segments " +
+                             std::to_string(segments));
+    }
+    const auto beyond =
+        std::find_if(view.levels.begin(), view.levels.end(), [&](Level level) { return level >= job.params.levels; });
+    if (beyond != view.levels.end()) {
+      return InvalidArgument(camera + " contain level " + std::to_string(*beyond) + " of " +
+                             std::to_string(job.params.levels));
     }
   }
   return {};

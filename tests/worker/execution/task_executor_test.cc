@@ -233,7 +233,7 @@ TEST(TaskExecutor, EmitsNoDepthFromLabelsThatDoNotFit) {
   EXPECT_TRUE(emit_with(field, 1).ok());
   LabelField bad = field;
   bad.views[1].levels[7] = 8;  // the job has levels 0 to 7
-  EXPECT_THAT(emit_with(bad, 2).message(), HasSubstr("camera 'cam1': level 8"));
+  EXPECT_THAT(emit_with(bad, 2).message(), HasSubstr("camera 'cam1' contain level 8 of 8"));
   bad = field;
   bad.views[2].levels.pop_back();
   bad.views[2].unchanged.pop_back();
