@@ -1,0 +1,115 @@
+#include "worker/refinement/plane_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+
+namespace depthfarm {
+namespace {
+
+constexpr double kLambda = 70;
+constexpr double kSlopeCoupling = 0.1;
+constexpr double kColourScale = 10;  // grey levels
+constexpr double kMaxStep = 1;       // pixels of u in a round
+constexpr int kSweeps = 12;
+
+struct Link {
+  std::size_t other = 0;
+  double dx = 0;  // other's centre - own
+  double dy = 0;
+  double weight = 0;
+};
+
+// (a, b, u at the centre).
+using Local = std::array<double, 3>;
+
+// H p = r for a symmetric positive definite H (aa ab ac bb bc cc), by its Cholesky factor.
+bool Solve(const std::array<double, 6>& h, const Local& r, Local& p) {
+  const double l00 = std::sqrt(h[0]);
+  const double l10 = h[1] / l00;
+  const double l20 = h[2] / l00;
+  const double l11 = std::sqrt(h[3] - l10 * l10);
+  const double l21 = (h[4] - l20 * l10) / l11;
+  const double l22 = std::sqrt(h[5] - l20 * l20 - l21 * l21);
+  if (!(l00 > 1e-9 && l11 > 1e-9 && l22 > 1e-9)) return false;
+  const double y0 = r[0] / l00;
+  const double y1 = (r[1] - l10 * y0) / l11;
+  const double y2 = (r[2] - l20 * y0 - l21 * y1) / l22;
+  p[2] = y2 / l22;
+  p[1] = (y1 - l21 * p[2]) / l11;
+  p[0] = (y0 - l10 * p[1] - l20 * p[2]) / l00;
+  return true;
+}
+
+}  // namespace
+
+void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, double gap_scale,
+                 std::vector<SlantedPlane>& planes) {
+  const std::size_t n = planes.size();
+  std::vector<Local> start(n);
+  for (std::size_t s = 0; s < n; ++s)
+    start[s] = {planes[s].a, planes[s].b, planes[s].At(map.centers[s].x, map.centers[s].y)};
+  std::vector<std::vector<Link>> links(n);
+  for (const auto& [s, t] : map.adjacency) {
+    const double dx = map.centers[t].x - map.centers[s].x;
+    const double dy = map.centers[t].y - map.centers[s].y;
+    const double gap_t = start[s][2] + start[s][0] * dx + start[s][1] * dy - start[t][2];
+    const double gap_s = start[t][2] - start[t][0] * dx - start[t][1] * dy - start[s][2];
+    const double gap = 0.5 * (std::abs(gap_t) + std::abs(gap_s)) / gap_scale;
+    const MeanColor& c = map.means[s];
+    const MeanColor& d = map.means[t];
+    const double colour =
+        static_cast<double>(std::abs(c.y - d.y) + std::abs(c.cb - d.cb) + std::abs(c.cr - d.cr)) / kMeanColorScale;
+    const double robust = 1 / (1 + gap * gap);
+    const double weight = kLambda * robust * robust / (1 + colour / kColourScale);
+    links[s].push_back({t, dx, dy, weight});
+    links[t].push_back({s, -dx, -dy, weight});
+  }
+  std::vector<Local> now = start;
+  const auto update = [&](std::size_t s) {
+    std::array<double, 6> h = data[s].h;
+    Local r{};
+    const Local& p = start[s];
+    r[0] = data[s].rhs[0] + h[0] * p[0] + h[1] * p[1] + h[2] * p[2];
+    r[1] = data[s].rhs[1] + h[1] * p[0] + h[3] * p[1] + h[4] * p[2];
+    r[2] = data[s].rhs[2] + h[2] * p[0] + h[4] * p[1] + h[5] * p[2];
+    h[0] += 1e-6;
+    h[3] += 1e-6;
+    h[5] += 1e-6;
+    for (const Link& link : links[s]) {
+      const Local& q = now[link.other];
+      const double w = link.weight;
+      // At the other's centre: (dx, dy, 1) . p = q[2].
+      h[0] += w * link.dx * link.dx;
+      h[1] += w * link.dx * link.dy;
+      h[2] += w * link.dx;
+      h[3] += w * link.dy * link.dy;
+      h[4] += w * link.dy;
+      h[5] += w;
+      r[0] += w * link.dx * q[2];
+      r[1] += w * link.dy * q[2];
+      r[2] += w * q[2];
+      // At the own centre: p[2] = q extended.
+      h[5] += w;
+      r[2] += w * (q[2] - q[0] * link.dx - q[1] * link.dy);
+      const double slope = w * kSlopeCoupling * (link.dx * link.dx + link.dy * link.dy);
+      h[0] += slope;
+      h[3] += slope;
+      r[0] += slope * q[0];
+      r[1] += slope * q[1];
+    }
+    Local solved{};
+    if (!Solve(h, r, solved)) return;
+    solved[2] = std::clamp(solved[2], p[2] - kMaxStep, p[2] + kMaxStep);
+    now[s] = solved;
+  };
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t i = 0; i < n; ++i) update(sweep % 2 == 0 ? i : n - 1 - i);
+  }
+  for (std::size_t s = 0; s < n; ++s) {
+    planes[s] = {now[s][0], now[s][1], now[s][2] - now[s][0] * map.centers[s].x - now[s][1] * map.centers[s].y};
+  }
+}
+
+}  // namespace depthfarm
