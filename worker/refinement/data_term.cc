@@ -7,9 +7,11 @@
 namespace depthfarm {
 namespace {
 
-constexpr double kHiddenBy = 1;     // pixels of u
+constexpr double kHiddenBy = 1;      // pixels of u
 constexpr double kNoiseFloor = 1.5;  // grey levels
 constexpr double kKappaSquared = 9;
+constexpr double kAgreement = 50;        // weight of another view's depth
+constexpr double kAgreementScale = 0.5;  // pixels of u
 
 double SquaredNorm(const Colour& a, const Colour& b) {
   double sum = 0;
@@ -129,10 +131,36 @@ std::vector<NormalEquations> DataTerm(const ColourGrid& own, const InverseDepthM
   return result;
 }
 
+void AddAgreement(const InverseDepthMap& map, std::span<const PixelPosition> centers, std::span<const OtherView> others,
+                  std::vector<NormalEquations>& equations) {
+  for (const OtherView& other : others) {
+    const InverseDepthMap& there = *other.map;
+    for (std::size_t s = 0; s < centers.size(); ++s) {
+      const double u = map(centers[s].x, centers[s].y);
+      const auto seen = SeenIn(*other.pair, there, centers[s].x, centers[s].y, u);
+      if (!seen || !(seen->u_in_other > 0)) continue;
+      const int x = std::min(static_cast<int>(seen->x), there.width() - 2);
+      const int y = std::min(static_cast<int>(seen->y), there.height() - 2);
+      const auto [low, high] = std::minmax({there(x, y), there(x + 1, y), there(x, y + 1), there(x + 1, y + 1)});
+      if (high - low > kAgreementScale) continue;
+      const double fx = seen->x - x;
+      const double fy = seen->y - y;
+      const double value = (1 - fy) * ((1 - fx) * there(x, y) + fx * there(x + 1, y)) +
+                           fy * ((1 - fx) * there(x, y + 1) + fx * there(x + 1, y + 1));
+      const double change = value * u / seen->u_in_other - u;  // u and u' of a point are in one ratio
+      const double t = change / kAgreementScale;
+      const double weight = kAgreement / ((1 + t * t) * (1 + t * t));
+      equations[s].h[5] += weight;
+      equations[s].rhs[2] += weight * change;
+    }
+  }
+}
+
 std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u) {
   const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
   if (!seen) return std::nullopt;
-  const double t = SquaredNorm(SampleAt(*other.colour, seen->x, seen->y), own) / (kKappaSquared * other.sigma * other.sigma);
+  const double t =
+      SquaredNorm(SampleAt(*other.colour, seen->x, seen->y), own) / (kKappaSquared * other.sigma * other.sigma);
   return t / (1 + t);
 }
 

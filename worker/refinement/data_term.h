@@ -22,7 +22,8 @@ struct Seen {
   double dy = 0;
 };
 
-// nullopt: outside the other view, behind it, or hidden there by a surface more than a pixel of u nearer in `other_map`.
+// nullopt: outside the other view, behind it, or hidden there by a surface more than a pixel of u nearer in
+// `other_map`.
 [[nodiscard]] std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& other_map, double x, double y,
                                          double u);
 
@@ -49,6 +50,11 @@ struct OtherView {
                                                     const Grid<SegmentIndex>& segments,
                                                     std::span<const PixelPosition> centers,
                                                     std::span<const OtherView> others, bool blurred);
+
+// Draws each segment's centre to the depth that the other views have where it is seen, unless that is far off (more
+// than about half a pixel of u) or at a jump there.
+void AddAgreement(const InverseDepthMap& map, std::span<const PixelPosition> centers, std::span<const OtherView> others,
+                  std::vector<NormalEquations>& equations);
 
 // rho of a pixel at u in one other view: 0 (fits) to 1; nullopt where it is not seen.
 [[nodiscard]] std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u);

@@ -12,8 +12,7 @@ ColourGrid Blurred(const ColourGrid& in, int dx, int dy) {
     for (int x = 0; x < in.width(); ++x) {
       Colour sum{};
       for (int k = -2; k <= 2; ++k) {
-        const Colour& from =
-            in(std::clamp(x + k * dx, 0, in.width() - 1), std::clamp(y + k * dy, 0, in.height() - 1));
+        const Colour& from = in(std::clamp(x + k * dx, 0, in.width() - 1), std::clamp(y + k * dy, 0, in.height() - 1));
         for (int i = 0; i < 4; ++i) sum[i] += kTaps[k + 2] * from[i];
       }
       out(x, y) = sum;

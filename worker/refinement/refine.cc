@@ -11,9 +11,9 @@
 namespace depthfarm {
 namespace {
 
-constexpr double kJump = 0.5;      // pixels of u between neighbours: a depth jump
-constexpr int kBand = 4;           // pixels to either side of it
-constexpr int kReach = 5;          // candidates come from as far
+constexpr double kJump = 0.5;       // pixels of u between neighbours: a depth jump
+constexpr int kBand = 4;            // pixels to either side of it
+constexpr int kReach = 5;           // candidates come from as far
 constexpr double kDistinct = 0.15;  // pixels of u between candidates
 constexpr std::size_t kMaxCandidates = 5;
 constexpr double kPairCost = 0.05;
@@ -22,8 +22,7 @@ InverseDepthMap MapOf(const RefinedView& view) {
   const auto& segments = view.segment_of_pixel;
   InverseDepthMap map(segments.width(), segments.height());
   for (int y = 0; y < map.height(); ++y)
-    for (int x = 0; x < map.width(); ++x)
-      map(x, y) = static_cast<float>(view.planes[segments(x, y)].At(x, y));
+    for (int x = 0; x < map.width(); ++x) map(x, y) = static_cast<float>(view.planes[segments(x, y)].At(x, y));
   return map;
 }
 
@@ -60,8 +59,7 @@ struct Choice {
 };
 
 double PatchCost(const ColourGrid& own, std::span<const OtherView> others, const SlantedPlane& plane, int x0, int y0) {
-  std::array<double, 8> per_view{};
-  std::size_t views = 0;
+  std::vector<double> per_view;
   for (const OtherView& other : others) {
     double sum = 0;
     double weights = 0;
@@ -74,11 +72,11 @@ double PatchCost(const ColourGrid& own, std::span<const OtherView> others, const
         weights += w;
       }
     }
-    if (weights > 0 && views < per_view.size()) per_view[views++] = sum / weights;
+    if (weights > 0) per_view.push_back(sum / weights);
   }
-  if (views == 0) return 0.5;
-  std::sort(per_view.begin(), per_view.begin() + views);
-  const std::size_t half = (views + 1) / 2;
+  if (per_view.empty()) return 0.5;
+  std::sort(per_view.begin(), per_view.end());
+  const std::size_t half = (per_view.size() + 1) / 2;
   double sum = 0;
   for (std::size_t i = 0; i < half; ++i) sum += per_view[i];
   return sum / static_cast<double>(half);
@@ -105,7 +103,7 @@ void ChoosePlanes(const ColourGrid& own, std::span<const OtherView> others, Refi
       };
       offer(x, y);
       for (int d = 1; d <= kReach; ++d)
-        for (const auto [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}})
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}})
           offer(x + d * dx, y + d * dy);
       if (choice.count < 2) continue;
       for (std::size_t i = 0; i < choice.count; ++i)
@@ -120,7 +118,7 @@ void ChoosePlanes(const ColourGrid& own, std::span<const OtherView> others, Refi
       for (std::size_t i = 0; i < choice.count; ++i) {
         double cost = choice.costs[i];
         const double u = view.planes[choice.segments[i]].At(choice.x, choice.y);
-        for (const auto [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
           const int nx = choice.x + dx;
           const int ny = choice.y + dy;
           if (!segments.Contains(nx, ny)) continue;
@@ -169,7 +167,8 @@ std::vector<RefinedView> RefinePlanes(const ResolvedJob& job, const FrameAnalysi
         others.push_back(entry);
       }
       const auto& segments = analysis[v]->segments;
-      const auto data = DataTerm(colours[v], maps[v], views[v].segment_of_pixel, segments.centers, others, blur);
+      auto data = DataTerm(colours[v], maps[v], views[v].segment_of_pixel, segments.centers, others, blur);
+      if (choose) AddAgreement(maps[v], segments.centers, others, data);
       SolvePlanes(segments, data, gap_scale, views[v].planes);
       if (choose) ChoosePlanes(colours[v], others, views[v]);
     }
