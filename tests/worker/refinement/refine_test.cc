@@ -53,7 +53,7 @@ TEST(RefinePlanes, NoRoundsAreTheLevelsThemselves) {
     const double scale = RefinementGeometry(scene.job)[v].pixels_per_inverse_depth;
     const LevelsInView in_view(scene.job.views[v].camera, levels);
     EXPECT_EQ(views[v].segment_of_pixel, scene.analysis[v]->segments.labels);
-    for (const auto [x, y] : {std::pair{3, 5}, std::pair{150, 110}}) {
+    for (const auto& [x, y] : {std::pair{3, 5}, std::pair{150, 110}}) {
       const SegmentIndex s = views[v].segment_of_pixel(x, y);
       const double depth = levels.DepthInRef(scene.labels.views[v].levels[s]);
       EXPECT_NEAR(views[v].planes[s].At(x, y), scale * in_view.InverseDepth(x, y, depth), 1e-9);
