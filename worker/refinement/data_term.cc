@@ -41,7 +41,7 @@ std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& othe
   if (!(seen.x >= 0 && seen.y >= 0 && seen.x <= other_map.width() - 1 && seen.y <= other_map.height() - 1))
     return std::nullopt;
   seen.u_in_other = pair.other_scale * u / qz;
-  const float there = other_map(static_cast<int>(seen.x + 0.5), static_cast<int>(seen.y + 0.5));
+  const float there = other_map(static_cast<int>(std::floor(seen.x + 0.5)), static_cast<int>(std::floor(seen.y + 0.5)));
   if (there > seen.u_in_other + kHiddenBy) return std::nullopt;
   seen.dx = (pair.e[0] - seen.x * pair.e[2]) / qz;
   seen.dy = (pair.e[1] - seen.y * pair.e[2]) / qz;

@@ -1,9 +1,12 @@
 #include "worker/refinement/refine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <span>
+#include <utility>
 
 #include "worker/refinement/data_term.h"
 #include "worker/refinement/plane_solver.h"
@@ -146,6 +149,7 @@ std::vector<RefinedView> RefinePlanes(const ResolvedJob& job, const FrameAnalysi
   for (std::size_t v = 0; v < n; ++v) {
     views[v].segment_of_pixel = analysis[v]->segments.labels;
     std::vector<SlantedPlane> of_level;
+    of_level.reserve(static_cast<std::size_t>(job.params.levels));
     for (int level = 0; level < job.params.levels; ++level)
       of_level.push_back(PlaneOfLevel(job, static_cast<int>(v), geometry[v], static_cast<Level>(level)));
     for (const Level level : labels.views[v].levels) views[v].planes.push_back(of_level[level]);
