@@ -28,6 +28,9 @@ class Reprojection {
     return {qx / qz, qy / qz, qz};
   }
 
+  [[nodiscard]] const Eigen::Matrix3d& m() const { return m_; }  // M
+  [[nodiscard]] const Eigen::Vector3d& e() const { return e_; }
+
  private:
   Eigen::Matrix3d m_;
   Eigen::Vector3d e_;

@@ -42,6 +42,8 @@ Status EstimationParams::Validate() const {
   if (max_sweeps < 0 || max_sweeps > 1000)
     return OutOfRange("sweeps", max_sweeps, "1 to 1000, or 0: until nothing changes");
   if (neighbours < 1 || neighbours > 16) return OutOfRange("neighbors", neighbours, "1 to 16");
+  if (refine_rounds < 0 || refine_rounds > 100)
+    return OutOfRange("refine", refine_rounds, "1 to 100 rounds, or 0: depth levels");
   if (downscale != 1 && downscale != 2 && downscale != 4) return OutOfRange("downscale", downscale, "1, 2 or 4");
   if (first_frame < 0) return OutOfRange("frames: first", first_frame, ">= 0");
   if (end_frame != -1 && end_frame <= first_frame) {
@@ -59,6 +61,7 @@ Result<EstimationParams> Preset(const std::string& name) {
     params.levels = 250;
     params.level_blocks = 1;
     params.max_sweeps = 0;
+    params.refine_rounds = 0;
     return params;
   }
   return InvalidArgument("preset is '" + name + "', expected default or paper");

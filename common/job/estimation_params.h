@@ -10,7 +10,7 @@
 namespace depthfarm {
 
 // Any change that can change a depth map raises this number: jobs pin it, artifacts are named by it.
-inline constexpr std::uint32_t kAlgorithmVersion = 1;
+inline constexpr std::uint32_t kAlgorithmVersion = 2;
 
 // How depth levels are spread over the n tasks of a frame (paper IV-A, Fig. 2).
 enum class Partition {
@@ -36,6 +36,7 @@ struct EstimationParams {
   int max_sweeps = 2;              // sweeps over the levels of a block; 0: until no move lowers the energy. The second
                                    // finds all but 0.01-0.05 % of it
   int neighbours = 2;              // views matched against each view; the paper's two
+  int refine_rounds = 4;           // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
   int downscale = 1;               // 1, 2 or 4
   std::vector<std::string> views;  // camera names; empty: every camera that has pictures
   int first_frame = 0;             // frames [first_frame, end_frame)
@@ -46,7 +47,7 @@ struct EstimationParams {
   bool operator==(const EstimationParams&) const = default;
 };
 
-// "default" or "paper" (the paper to the letter: 250 levels, n = 1); kInvalidArgument lists the names.
+// "default" or "paper" (the paper to the letter: 250 levels, n = 1, no refinement); kInvalidArgument lists the names.
 [[nodiscard]] Result<EstimationParams> Preset(const std::string& name);
 
 }  // namespace depthfarm

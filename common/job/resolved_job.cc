@@ -18,6 +18,7 @@ constexpr double kLevelPixelsWidest = 0.5;
 constexpr long long kSmallProblem =
     2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
+constexpr int kMostCompared = 4;  // for refinement: two left, two right on an arc
 
 Result<std::vector<const SequenceCamera*>> SelectViews(const Sequence& sequence, const EstimationParams& params) {
   std::vector<const SequenceCamera*> selected;
@@ -172,8 +173,10 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
                            ", expected at most the number of levels, " + std::to_string(job.params.levels));
   }
   const DepthLevels levels = job.Levels();
-  for (JobView& view : job.views) {
-    DEPTHFARM_ASSIGN_OR_RETURN(view.own_range, OwnDepthRange(view.camera, levels));
+  const std::vector<std::vector<int>> compared = ChooseNeighbours(cameras, levels, kMostCompared);
+  for (std::size_t i = 0; i < job.views.size(); ++i) {
+    job.views[i].compared = compared[i];
+    DEPTHFARM_ASSIGN_OR_RETURN(job.views[i].own_range, OwnDepthRange(cameras[i], levels));
   }
   ResolveBlocks(job);
   return job;

@@ -21,6 +21,7 @@ struct JobView {
   int segments = 0;             // requested; the seed grid comes as near as it can
   DepthRange own_range;         // zNear, zFar of its depth files, along its own axis
   std::vector<int> neighbours;  // indices into ResolvedJob::views, nearest first; D of eq. (1)
+  std::vector<int> compared;    // the at most four views that refinement compares it with, nearest first
 };
 
 // A job with nothing left open: every "auto" is a number, so that all tasks of the job, wherever they run, do the same.

@@ -12,6 +12,8 @@ std::string TaskKindName(TaskKind kind) {
       return "estimate";
     case TaskKind::kMerge:
       return "merge";
+    case TaskKind::kRefine:
+      return "refine";
     case TaskKind::kEmit:
       return "emit";
     case TaskKind::kCommit:
@@ -32,6 +34,7 @@ std::string TaskName(const TaskId& id) {
   if (id.kind == TaskKind::kAnalyse) name += " view " + std::to_string(id.index);
   if (id.kind == TaskKind::kEstimate) name += " block " + std::to_string(id.index);
   if (id.kind == TaskKind::kMerge) name += " round " + std::to_string(id.index) + " pair " + std::to_string(id.pair);
+  if (id.kind == TaskKind::kRefine) name += " round " + std::to_string(id.index) + " view " + std::to_string(id.pair);
   return name;
 }
 

@@ -20,6 +20,7 @@ enum class TaskKind : std::uint8_t {
   kAnalyse,   // of (frame, view): decode, Y'CbCr, SNIC, means, centres, adjacency        paper IV-C
   kEstimate,  // of (frame, block): alpha-expansion over all views on the block's levels    III, IV-A
   kMerge,     // of (frame, round, pair): two label fields -> one, two-label cut            IV-A, Fig. 3
+  kRefine,    // of (frame, round, view): slanted planes instead of levels; round 0 starts from the labels
   kEmit,      // of a frame: depth files of all views, into the job's staging folder
   kCommit,    // of a frame: the accepted attempt's files are renamed into place
   kManifest,  // of a job: depth.json is written, the staging folder removed
@@ -31,8 +32,8 @@ struct TaskId {
   JobId job;
   int frame = 0;  // 0-based in the job
   TaskKind kind = TaskKind::kAnalyse;
-  int index = 0;  // view of kAnalyse, block of kEstimate, round of kMerge
-  int pair = 0;   // of kMerge
+  int index = 0;  // view of kAnalyse, block of kEstimate, round of kMerge and kRefine
+  int pair = 0;   // pair of kMerge, view of kRefine
   auto operator<=>(const TaskId&) const = default;
 };
 

@@ -21,7 +21,10 @@ enum class InputRole : std::uint8_t {
   kPreviousLabels,    // label field of frame - 1
   kIAnalysis,         // of the GOP's I frame, one per view (P frames)
   kILabels,           // label field of the GOP's I frame
-  kLabels,            // Merge: the two partial fields, first and second; Emit: the final one
+  kLabels,            // Merge: the two partial fields, first and second; Refine, Emit: the final one
+  kPreviousRefined,   // Refine: the view's depth in frame - 1 after the last round
+  kIRefined,          // Refine: the view's depth in the GOP's I frame after the last round
+  kRefined,           // Refine: depth of the round before, the view and those it is compared with; Emit: of all views
 };
 
 // Where an artifact can be fetched.
@@ -42,7 +45,7 @@ struct ArtifactInfo {
 struct TaskInput {
   ArtifactInfo artifact;  // a fetch must yield exactly these bytes
   InputRole role = InputRole::kAnalysis;
-  int view = 0;  // of the analysis roles
+  int view = 0;  // of the analysis and refined roles
   std::vector<ArtifactLocation> locations;
   bool operator==(const TaskInput&) const = default;
 };
@@ -58,7 +61,7 @@ struct OutputFile {
 // All that a worker needs for a task besides its JobConfig.
 struct TaskSpec {
   TaskId id;
-  std::optional<ArtifactKey> output_key;  // Estimate, Merge
+  std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine
   std::vector<TaskInput> inputs;
   std::string picture;                         // Analyse: absolute path
   std::string staging;                         // Emit, Commit: folder below DIR/.depthfarm-staging

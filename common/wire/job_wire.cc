@@ -24,20 +24,21 @@ Result<DepthRange> RangeFromProto(const std::string& field, const v1::DepthRange
   return DepthRange{proto.z_near(), proto.z_far()};
 }
 
-Result<std::vector<int>> NeighboursFromProto(const std::string& field, const v1::JobView& proto, int view,
-                                             int num_views) {
-  DEPTHFARM_RETURN_IF_ERROR(CheckCount(field, proto.neighbours_size(), num_views - 1));
-  if (proto.neighbours_size() == 0) return InvalidArgument(field + " is empty, expected at least one view");
-  std::vector<int> neighbours;
+using Indices = google::protobuf::RepeatedField<std::uint32_t>;
+
+Result<std::vector<int>> OtherViewsFromProto(const std::string& field, const Indices& proto, int view, int num_views) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount(field, proto.size(), num_views - 1));
+  if (proto.empty()) return InvalidArgument(field + " is empty, expected at least one view");
+  std::vector<int> others;
   std::set<int> distinct = {view};
-  for (const std::uint32_t index : proto.neighbours()) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const int neighbour, BoundedInt(field, index, num_views - 1));
-    if (!distinct.insert(neighbour).second) {
-      return InvalidArgument(field + " names view " + std::to_string(neighbour) + " twice, or the view itself");
+  for (const std::uint32_t index : proto) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const int other, BoundedInt(field, index, num_views - 1));
+    if (!distinct.insert(other).second) {
+      return InvalidArgument(field + " names view " + std::to_string(other) + " twice, or the view itself");
     }
-    neighbours.push_back(neighbour);
+    others.push_back(other);
   }
-  return neighbours;
+  return others;
 }
 
 Result<JobView> ViewFromProto(const v1::JobView& proto, int index, int num_views, int downscale) {
@@ -56,7 +57,9 @@ Result<JobView> ViewFromProto(const v1::JobView& proto, int index, int num_views
                              BoundedInt(name + "segments", proto.segments(), view.camera.width * view.camera.height));
   if (view.segments < 1) return InvalidArgument(name + "segments is 0, expected at least 1");
   DEPTHFARM_ASSIGN_OR_RETURN(view.own_range, RangeFromProto(name + "own range", proto.own_range()));
-  DEPTHFARM_ASSIGN_OR_RETURN(view.neighbours, NeighboursFromProto(name + "neighbours", proto, index, num_views));
+  DEPTHFARM_ASSIGN_OR_RETURN(view.neighbours,
+                             OtherViewsFromProto(name + "neighbours", proto.neighbours(), index, num_views));
+  DEPTHFARM_ASSIGN_OR_RETURN(view.compared, OtherViewsFromProto(name + "compared", proto.compared(), index, num_views));
   return view;
 }
 
@@ -126,6 +129,7 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
                                                                  : v1::PARTITION_INTERLEAVED);
   proto.set_max_sweeps(static_cast<std::uint32_t>(params.max_sweeps));
   proto.set_neighbours(static_cast<std::uint32_t>(params.neighbours));
+  proto.set_refine_rounds(static_cast<std::uint32_t>(params.refine_rounds));
   proto.set_downscale(static_cast<std::uint32_t>(params.downscale));
   for (const std::string& view : params.views) proto.add_views(view);
   proto.set_first_frame(static_cast<std::uint32_t>(params.first_frame));
@@ -157,6 +161,7 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
   params.partition = proto.partition() == v1::PARTITION_CONTIGUOUS ? Partition::kContiguous : Partition::kInterleaved;
   DEPTHFARM_RETURN_IF_ERROR(read("sweeps", proto.max_sweeps(), params.max_sweeps));
   DEPTHFARM_RETURN_IF_ERROR(read("neighbors", proto.neighbours(), params.neighbours));
+  DEPTHFARM_RETURN_IF_ERROR(read("refine", proto.refine_rounds(), params.refine_rounds));
   DEPTHFARM_RETURN_IF_ERROR(read("downscale", proto.downscale(), params.downscale));
   DEPTHFARM_RETURN_IF_ERROR(CheckCount("views", proto.views_size(), kMaxViews));
   for (const std::string& view : proto.views()) {
@@ -186,6 +191,7 @@ v1::JobConfig ToProto(const JobConfig& config) {
     added->mutable_own_range()->set_z_near(view.own_range.z_near);
     added->mutable_own_range()->set_z_far(view.own_range.z_far);
     for (const int neighbour : view.neighbours) added->add_neighbours(static_cast<std::uint32_t>(neighbour));
+    for (const int other : view.compared) added->add_compared(static_cast<std::uint32_t>(other));
   }
   proto.set_num_frames(static_cast<std::uint32_t>(job.num_frames));
   proto.set_level_blocks_i(static_cast<std::uint32_t>(job.level_blocks_i));

@@ -27,6 +27,12 @@ v1::InputRole RoleToProto(InputRole role) {
       return v1::INPUT_ROLE_I_LABELS;
     case InputRole::kLabels:
       return v1::INPUT_ROLE_LABELS;
+    case InputRole::kPreviousRefined:
+      return v1::INPUT_ROLE_PREVIOUS_REFINED;
+    case InputRole::kIRefined:
+      return v1::INPUT_ROLE_I_REFINED;
+    case InputRole::kRefined:
+      return v1::INPUT_ROLE_REFINED;
   }
   return v1::INPUT_ROLE_UNSPECIFIED;
 }
@@ -45,8 +51,14 @@ Result<InputRole> RoleFromProto(v1::InputRole role) {
       return InputRole::kILabels;
     case v1::INPUT_ROLE_LABELS:
       return InputRole::kLabels;
+    case v1::INPUT_ROLE_PREVIOUS_REFINED:
+      return InputRole::kPreviousRefined;
+    case v1::INPUT_ROLE_I_REFINED:
+      return InputRole::kIRefined;
+    case v1::INPUT_ROLE_REFINED:
+      return InputRole::kRefined;
     default:
-      return InvalidArgument("input role is " + std::to_string(role) + ", expected 1 to 6");
+      return InvalidArgument("input role is " + std::to_string(role) + ", expected 1 to 9");
   }
 }
 
@@ -131,6 +143,8 @@ v1::TaskKind ToProto(TaskKind kind) {
       return v1::TASK_KIND_ESTIMATE;
     case TaskKind::kMerge:
       return v1::TASK_KIND_MERGE;
+    case TaskKind::kRefine:
+      return v1::TASK_KIND_REFINE;
     case TaskKind::kEmit:
       return v1::TASK_KIND_EMIT;
     case TaskKind::kCommit:
@@ -153,6 +167,8 @@ Result<TaskKind> FromProto(v1::TaskKind kind) {
       return TaskKind::kEstimate;
     case v1::TASK_KIND_MERGE:
       return TaskKind::kMerge;
+    case v1::TASK_KIND_REFINE:
+      return TaskKind::kRefine;
     case v1::TASK_KIND_EMIT:
       return TaskKind::kEmit;
     case v1::TASK_KIND_COMMIT:
@@ -162,7 +178,7 @@ Result<TaskKind> FromProto(v1::TaskKind kind) {
     case v1::TASK_KIND_CLEANUP:
       return TaskKind::kCleanup;
     default:
-      return InvalidArgument("task kind is " + std::to_string(kind) + ", expected 1 to 8");
+      return InvalidArgument("task kind is " + std::to_string(kind) + ", expected 1 to 9");
   }
 }
 
@@ -274,7 +290,8 @@ v1::TaskSpec ToProto(const TaskSpec& spec) {
 Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
   TaskSpec spec;
   DEPTHFARM_ASSIGN_OR_RETURN(spec.id, FromProto(proto.id()));
-  const bool has_key = spec.id.kind == TaskKind::kEstimate || spec.id.kind == TaskKind::kMerge;
+  const bool has_key =
+      spec.id.kind == TaskKind::kEstimate || spec.id.kind == TaskKind::kMerge || spec.id.kind == TaskKind::kRefine;
   if (has_key != !proto.output_key().empty()) {
     return InvalidArgument(TaskName(spec.id) + (has_key ? " has no output key" : " has an output key, expected none"));
   }

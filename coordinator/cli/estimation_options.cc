@@ -142,6 +142,10 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseAutoOrInteger("sweeps", text, params.max_sweeps);
      }},
+    {"refine", "N", "Rounds that turn levels into slanted planes after the cut; 0: levels as they are; default 4",
+     [](std::string_view text, EstimationParams& params) {
+       return ParseInteger("refine", text, params.refine_rounds);
+     }},
 });
 
 const EstimationOption* FindOption(std::string_view name) {

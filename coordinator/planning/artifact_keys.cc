@@ -64,10 +64,20 @@ ArtifactKey JobPart(const JobConfig& config) {
   return builder.Build();
 }
 
+ArtifactKey RefinePart(const JobConfig& config) {
+  KeyBuilder builder("refinement");
+  builder.Add(config.resolved.params.refine_rounds);
+  for (const JobView& view : config.resolved.views) {
+    builder.Add(view.own_range.z_near).Add(view.own_range.z_far).Add(view.compared.size());
+    for (const int other : view.compared) builder.Add(other);
+  }
+  return builder.Build();
+}
+
 }  // namespace
 
 ArtifactKeys::ArtifactKeys(const JobConfig& config)
-    : partition_(config.resolved.params.partition), job_(JobPart(config)) {}
+    : partition_(config.resolved.params.partition), job_(JobPart(config)), refined_(RefinePart(config)) {}
 
 ArtifactKey ArtifactKeys::Estimate(int num_blocks, int block, std::span<const Input> inputs) const {
   // One block holds all levels, however they are spread.
@@ -77,6 +87,10 @@ ArtifactKey ArtifactKeys::Estimate(int num_blocks, int block, std::span<const In
 
 ArtifactKey ArtifactKeys::Merge(std::span<const Input> inputs) const {
   return KeyBuilder("merge").Add(job_).Add(inputs).Build();
+}
+
+ArtifactKey ArtifactKeys::Refine(int round, int view, std::span<const Input> inputs) const {
+  return KeyBuilder("refine").Add(job_).Add(refined_).Add(round).Add(view).Add(inputs).Build();
 }
 
 }  // namespace depthfarm

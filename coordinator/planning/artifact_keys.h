@@ -7,10 +7,10 @@
 
 namespace depthfarm {
 
-// Names of the label fields of a job. Two tasks, of whatever jobs, have the same key exactly when their operation,
-// algorithm version, level planes, cameras, parameters that reach the energy, level block and inputs are the same;
-// output folders, names, priorities, GOP length and frame numbers do not count. Keys of Analyse are the worker's: they
-// need the picture.
+// Names of the label fields and refined views of a job. Two tasks, of whatever jobs, have the same key exactly when
+// their operation, algorithm version, level planes, cameras, parameters that reach the result, level block or round and
+// view, and inputs are the same; output folders, names, priorities, GOP length and frame numbers do not count. Keys of
+// Analyse are the worker's: they need the picture.
 class ArtifactKeys {
  public:
   explicit ArtifactKeys(const JobConfig& config);
@@ -22,10 +22,12 @@ class ArtifactKeys {
   // `inputs` in the order of the TaskSpec.
   [[nodiscard]] ArtifactKey Estimate(int num_blocks, int block, std::span<const Input> inputs) const;
   [[nodiscard]] ArtifactKey Merge(std::span<const Input> inputs) const;
+  [[nodiscard]] ArtifactKey Refine(int round, int view, std::span<const Input> inputs) const;
 
  private:
   Partition partition_;
-  ArtifactKey job_;  // of what all tasks of the job share
+  ArtifactKey job_;      // of what all tasks of the job share
+  ArtifactKey refined_;  // of what its Refine tasks share besides
 };
 
 }  // namespace depthfarm

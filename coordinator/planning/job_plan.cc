@@ -22,7 +22,8 @@ std::uint64_t CountMerges(const std::vector<std::vector<MergePair>>& rounds) {
 }  // namespace
 
 bool MakesArtifact(TaskKind kind) {
-  return kind == TaskKind::kAnalyse || kind == TaskKind::kEstimate || kind == TaskKind::kMerge;
+  return kind == TaskKind::kAnalyse || kind == TaskKind::kEstimate || kind == TaskKind::kMerge ||
+         kind == TaskKind::kRefine;
 }
 
 Status CheckPlannable(const ResolvedJob& job) {
@@ -47,6 +48,7 @@ std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
   const JobId job = job_.config.job;
   const int begin = gop * resolved().params.gop;
   const int end = std::min(begin + resolved().params.gop, resolved().num_frames);
+  const int refine = resolved().params.refine_rounds;
   std::vector<TaskId> tasks;
   for (int frame = begin; frame < end; ++frame) {
     for (int view = 0; view < resolved().num_views(); ++view)
@@ -61,6 +63,9 @@ std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
         if (pairs[static_cast<std::size_t>(pair)].second >= 0)
           tasks.push_back({job, frame, TaskKind::kMerge, round, pair});
       }
+    }
+    for (int round = 0; refine > 0 && round <= refine; ++round) {
+      for (int view = 0; view < resolved().num_views(); ++view) tasks.push_back(Refined(frame, view, round));
     }
     tasks.push_back({job, frame, TaskKind::kEmit, 0, 0});
     tasks.push_back({job, frame, TaskKind::kCommit, 0, 0});
@@ -81,10 +86,35 @@ TaskId JobPlan::PartialResult(int frame, int round, int index) const {
 
 TaskId JobPlan::FinalLabels(int frame) const { return PartialResult(frame, static_cast<int>(Rounds(frame).size()), 0); }
 
+TaskId JobPlan::Refined(int frame, int view, int round) const {
+  return {job_.config.job, frame, TaskKind::kRefine, round < 0 ? resolved().params.refine_rounds : round, view};
+}
+
 void JobPlan::AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const {
   for (int view = 0; view < resolved().num_views(); ++view) {
     inputs.push_back({{job_.config.job, frame, TaskKind::kAnalyse, view, 0}, role, view});
   }
+}
+
+void JobPlan::AddInputsOfRefine(const TaskId& id, std::vector<PlannedInput>& inputs) const {
+  const auto analysis = [&](int frame, int view) { return TaskId{id.job, frame, TaskKind::kAnalyse, view, 0}; };
+  const int own = id.pair;
+  if (id.index == 0) {
+    const int i_frame = resolved().IFrameOf(id.frame);
+    const bool refers = i_frame != id.frame;
+    inputs.push_back({analysis(id.frame, own), InputRole::kAnalysis, own});
+    if (refers) inputs.push_back({analysis(id.frame - 1, own), InputRole::kPreviousAnalysis, own});
+    if (refers) inputs.push_back({analysis(i_frame, own), InputRole::kIAnalysis, own});
+    inputs.push_back({FinalLabels(id.frame), InputRole::kLabels, 0});
+    if (refers) inputs.push_back({Refined(id.frame - 1, own), InputRole::kPreviousRefined, own});
+    if (refers) inputs.push_back({Refined(i_frame, own), InputRole::kIRefined, own});
+    return;
+  }
+  std::vector<int> views = resolved().views[static_cast<std::size_t>(own)].compared;
+  views.push_back(own);
+  std::sort(views.begin(), views.end());
+  for (const int view : views) inputs.push_back({analysis(id.frame, view), InputRole::kAnalysis, view});
+  for (const int view : views) inputs.push_back({Refined(id.frame, view, id.index - 1), InputRole::kRefined, view});
 }
 
 std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
@@ -107,7 +137,15 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
       inputs.push_back({PartialResult(id.frame, id.index, pair.second), InputRole::kLabels, 0});
       break;
     }
+    case TaskKind::kRefine:
+      AddInputsOfRefine(id, inputs);
+      break;
     case TaskKind::kEmit:
+      if (resolved().params.refine_rounds > 0) {
+        for (int view = 0; view < resolved().num_views(); ++view)
+          inputs.push_back({Refined(id.frame, view), InputRole::kRefined, view});
+        break;
+      }
       AddAnalyses(id.frame, InputRole::kAnalysis, inputs);
       inputs.push_back({FinalLabels(id.frame), InputRole::kLabels, 0});
       break;
@@ -146,6 +184,10 @@ std::uint64_t JobPlan::Total(TaskKind kind) const {
              p_frames * static_cast<std::uint64_t>(resolved().level_blocks_p);
     case TaskKind::kMerge:
       return i_frames * CountMerges(rounds_i_) + p_frames * CountMerges(rounds_p_);
+    case TaskKind::kRefine: {
+      const auto refine = static_cast<std::uint64_t>(resolved().params.refine_rounds);
+      return refine == 0 ? 0 : frames * static_cast<std::uint64_t>(resolved().num_views()) * (refine + 1);
+    }
     case TaskKind::kEmit:
     case TaskKind::kCommit:
       return frames;

@@ -13,7 +13,7 @@
 
 namespace depthfarm {
 
-inline constexpr int kNumTaskKinds = 8;
+inline constexpr int kNumTaskKinds = 9;
 
 // A job as it is planned: what its tasks have in common and where its pictures are.
 struct PlannedJob {
@@ -32,8 +32,8 @@ struct PlannedInput {
 // The task graph of a job, computed on demand: nothing is stored per task. GOPs do not depend on each other.
 //
 //   Prepare -----------------------------------------.
-//   Analyse(f, v) -> Estimate(f, b) -> Merge(f, r, p) -> Emit(f) -> Commit(f) -> Manifest
-//          `-> Estimate(f + 1, b), and those of the whole GOP if f is its I frame
+//   Analyse(f, v) -> Estimate(f, b) -> Merge(f, r, p) -> Refine(f, r, v) -> Emit(f) -> Commit(f) -> Manifest
+//          `-> Estimate(f + 1, b), and those of the whole GOP if f is its I frame; so with Refine(f, last, v)
 class JobPlan {
  public:
   explicit JobPlan(PlannedJob job);
@@ -57,6 +57,8 @@ class JobPlan {
 
   // The task whose result is the label field of the frame.
   [[nodiscard]] TaskId FinalLabels(int frame) const;
+  // The task whose result is the refined depth of the view after `round` rounds; -1: after the last.
+  [[nodiscard]] TaskId Refined(int frame, int view, int round = -1) const;
   // How many tasks of a kind the job has (Cleanup: 0).
   [[nodiscard]] std::uint64_t Total(TaskKind kind) const;
 
@@ -69,13 +71,14 @@ class JobPlan {
   [[nodiscard]] TaskId PartialResult(int frame, int round, int index) const;
   [[nodiscard]] const std::vector<std::vector<MergePair>>& Rounds(int frame) const;
   void AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const;
+  void AddInputsOfRefine(const TaskId& id, std::vector<PlannedInput>& inputs) const;
 
   PlannedJob job_;
   std::vector<std::vector<MergePair>> rounds_i_;
   std::vector<std::vector<MergePair>> rounds_p_;
 };
 
-// True for the kinds whose result is an artifact: Analyse, Estimate, Merge.
+// True for the kinds whose result is an artifact: Analyse, Estimate, Merge, Refine.
 [[nodiscard]] bool MakesArtifact(TaskKind kind);
 
 // Bounds of one job: the Manifest task names every depth file in one message. kInvalidArgument names the bound.

@@ -168,10 +168,11 @@ std::vector<ArtifactInfo> JobProgress::InputsOf(const TaskId& id) const {
 }
 
 std::optional<ArtifactKey> JobProgress::OutputKey(const TaskId& id, const std::vector<TaskInput>& inputs) const {
-  if (id.kind != TaskKind::kEstimate && id.kind != TaskKind::kMerge) return std::nullopt;
+  if (!MakesArtifact(id.kind) || id.kind == TaskKind::kAnalyse) return std::nullopt;  // its worker finds the name
   std::vector<ArtifactKeys::Input> keys;
   for (const TaskInput& input : inputs) keys.push_back({input.role, input.artifact.key});
   if (id.kind == TaskKind::kMerge) return keys_.Merge(keys);
+  if (id.kind == TaskKind::kRefine) return keys_.Refine(id.index, id.pair, keys);
   return keys_.Estimate(plan_.resolved().NumBlocks(id.frame), id.index, keys);
 }
 

@@ -6,7 +6,8 @@ namespace depthfarm {
 namespace {
 
 bool EndsAFrameOrJob(TaskKind kind) {
-  return kind != TaskKind::kAnalyse && kind != TaskKind::kEstimate && kind != TaskKind::kMerge;
+  return kind != TaskKind::kAnalyse && kind != TaskKind::kEstimate && kind != TaskKind::kMerge &&
+         kind != TaskKind::kRefine;
 }
 
 }  // namespace

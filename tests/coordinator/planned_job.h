@@ -14,6 +14,7 @@ struct JobShape {
   int views = 2;
   int blocks_i = 2;
   int blocks_p = 1;
+  int refine = 0;
 };
 
 // A job of the wanted shape whose cameras and numbers are as small as can be.
@@ -26,6 +27,7 @@ inline PlannedJob MakePlannedJob(const JobShape& shape) {
   resolved.params.levels = 16;
   resolved.params.z_near = 1;
   resolved.params.z_far = 2;
+  resolved.params.refine_rounds = shape.refine;
   resolved.params.end_frame = shape.frames;
   resolved.num_frames = shape.frames;
   resolved.level_blocks_i = shape.blocks_i;
@@ -35,6 +37,7 @@ inline PlannedJob MakePlannedJob(const JobShape& shape) {
     job_view.camera.name = "cam" + std::to_string(view);
     job_view.camera.width = job_view.camera.height = 16;
     job_view.neighbours = {(view + 1) % shape.views};
+    job_view.compared = job_view.neighbours;
     resolved.views.push_back(job_view);
     job.pictures.emplace_back();
     for (int frame = 0; frame < shape.frames; ++frame) {

@@ -1,6 +1,5 @@
 #include "worker/artifacts/memory_cache.h"
 
-#include <utility>
 #include <vector>
 
 namespace depthfarm {
@@ -25,26 +24,9 @@ std::uint64_t MemoryBytes(const LabelField& field) {
   return bytes;
 }
 
-void MemoryCache::Put(const ArtifactKey& key, std::shared_ptr<const ViewAnalysis> analysis) {
-  const std::uint64_t bytes = MemoryBytes(*analysis);
-  Insert(key, std::move(analysis), bytes);
-}
-
-void MemoryCache::Put(const ArtifactKey& key, std::shared_ptr<const LabelField> field) {
-  const std::uint64_t bytes = MemoryBytes(*field);
-  Insert(key, std::move(field), bytes);
-}
-
-std::shared_ptr<const ViewAnalysis> MemoryCache::FindAnalysis(const ArtifactKey& key) {
-  const Object* object = Use(key);
-  const auto* analysis = object == nullptr ? nullptr : std::get_if<std::shared_ptr<const ViewAnalysis>>(object);
-  return analysis == nullptr ? nullptr : *analysis;
-}
-
-std::shared_ptr<const LabelField> MemoryCache::FindLabels(const ArtifactKey& key) {
-  const Object* object = Use(key);
-  const auto* field = object == nullptr ? nullptr : std::get_if<std::shared_ptr<const LabelField>>(object);
-  return field == nullptr ? nullptr : *field;
+std::uint64_t MemoryBytes(const RefinedView& view) {
+  return sizeof(RefinedView) + VectorBytes(view.planes) + VectorBytes(view.kept) +
+         VectorBytes(view.plane_of_pixel.values());
 }
 
 void MemoryCache::Erase(const ArtifactKey& key) {

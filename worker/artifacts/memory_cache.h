@@ -5,10 +5,12 @@
 #include <list>
 #include <map>
 #include <memory>
+#include <utility>
 #include <variant>
 
 #include "common/job/task.h"
 #include "worker/estimation/label_field.h"
+#include "worker/refinement/plane_field.h"
 #include "worker/segmentation/analysis.h"
 
 namespace depthfarm {
@@ -16,6 +18,7 @@ namespace depthfarm {
 // Bytes an object occupies in memory, its vectors included.
 [[nodiscard]] std::uint64_t MemoryBytes(const ViewAnalysis& analysis);
 [[nodiscard]] std::uint64_t MemoryBytes(const LabelField& field);
+[[nodiscard]] std::uint64_t MemoryBytes(const RefinedView& view);
 
 // Decoded artifacts by key, so that the blocks of a frame on one worker share its analysis instead of decoding it anew.
 // Bounded by the bytes of what it holds: the least recently used goes first, and an object larger than the bound is not
@@ -25,17 +28,26 @@ class MemoryCache {
  public:
   explicit MemoryCache(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
-  void Put(const ArtifactKey& key, std::shared_ptr<const ViewAnalysis> analysis);
-  void Put(const ArtifactKey& key, std::shared_ptr<const LabelField> field);
-  // Null when it is not here, or is the other kind of object.
-  [[nodiscard]] std::shared_ptr<const ViewAnalysis> FindAnalysis(const ArtifactKey& key);
-  [[nodiscard]] std::shared_ptr<const LabelField> FindLabels(const ArtifactKey& key);
+  // T: ViewAnalysis, LabelField or RefinedView.
+  template <typename T>
+  void Put(const ArtifactKey& key, std::shared_ptr<const T> object) {
+    const std::uint64_t bytes = MemoryBytes(*object);
+    Insert(key, std::move(object), bytes);
+  }
+  // Null when it is not here, or is another kind of object.
+  template <typename T>
+  [[nodiscard]] std::shared_ptr<const T> Find(const ArtifactKey& key) {
+    const Object* object = Use(key);
+    const auto* found = object == nullptr ? nullptr : std::get_if<std::shared_ptr<const T>>(object);
+    return found == nullptr ? nullptr : *found;
+  }
   void Erase(const ArtifactKey& key);
 
   [[nodiscard]] std::uint64_t total_bytes() const { return total_bytes_; }
 
  private:
-  using Object = std::variant<std::shared_ptr<const ViewAnalysis>, std::shared_ptr<const LabelField>>;
+  using Object = std::variant<std::shared_ptr<const ViewAnalysis>, std::shared_ptr<const LabelField>,
+                              std::shared_ptr<const RefinedView>>;
   struct Entry {
     ArtifactKey key{};
     Object object;

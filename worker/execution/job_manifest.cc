@@ -28,6 +28,7 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"partition", params.partition == Partition::kContiguous ? "blocks" : "interleaved"},
       {"maxSweeps", integer(params.max_sweeps)},
       {"neighbours", integer(params.neighbours)},
+      {"refineRounds", integer(params.refine_rounds)},
       {"downscale", integer(params.downscale)},
   };
   for (const JobView& view : job.views) parameters["segments/" + view.camera.name] = integer(view.segments);

@@ -16,6 +16,8 @@
 #include "worker/execution/job_manifest.h"
 #include "worker/execution/output_folder.h"
 #include "worker/execution/resource_usage.h"
+#include "worker/refinement/refine.h"
+#include "worker/refinement/refined_view_codec.h"
 #include "worker/segmentation/analysis_codec.h"
 
 namespace depthfarm {
@@ -53,6 +55,28 @@ std::vector<ArtifactKey> KeysOf(const TaskSpec& spec) {
   for (const TaskInput& input : spec.inputs) keys.push_back(input.artifact.key);
   if (spec.output_key.has_value()) keys.push_back(*spec.output_key);
   return keys;
+}
+
+std::string Encode(const LabelField& field) { return EncodeLabelField(field); }
+std::string Encode(const RefinedView& view) { return EncodeRefinedView(view); }
+
+// Round 0 of Refine.
+Result<RefinedView> StartOf(const TaskSpec& spec, const ResolvedJob& job, const TaskInputs& inputs) {
+  const auto v = static_cast<std::size_t>(spec.id.pair);
+  const auto analysis = [&](InputRole role) { return inputs.ListedAnalyses(role)[v]; };
+  const auto refined = [&](InputRole role) { return inputs.ListedRefined(role)[v]; };
+  const auto own = analysis(InputRole::kAnalysis);
+  DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, inputs.Labels(InputRole::kLabels, 1));
+  if (own == nullptr || labels[0]->views.size() != job.views.size())
+    return InvalidArgument(TaskName(spec.id) + ": expected the view's analysis and labels of all views");
+  if (job.IsIFrame(spec.id.frame)) return StartRefinement(job, spec.id.pair, *own, labels[0]->views[v], nullptr);
+  const RefinementReferences references{{analysis(InputRole::kPreviousAnalysis), refined(InputRole::kPreviousRefined)},
+                                        {analysis(InputRole::kIAnalysis), refined(InputRole::kIRefined)}};
+  for (const ReferenceView* reference : {&references.previous, &references.i_frame}) {
+    if (reference->analysis == nullptr || reference->refined == nullptr)
+      return InvalidArgument(TaskName(spec.id) + ": expected analysis and refined depth of the frames it refers to");
+  }
+  return StartRefinement(job, spec.id.pair, *own, labels[0]->views[v], &references);
 }
 
 }  // namespace
@@ -95,6 +119,8 @@ Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
       return Estimate(task, outcome);
     case TaskKind::kMerge:
       return Merge(task, outcome);
+    case TaskKind::kRefine:
+      return Refine(task, outcome);
     case TaskKind::kEmit:
       return Emit(task, outcome);
     case TaskKind::kCommit:
@@ -132,7 +158,7 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     const ArtifactKey key = AnalysisKey(view, params, digest);
     outcome.picture_digest = digest;
     outcome.output_key = key;
-    if (const auto known = task.inputs.FindAnalysis(key); known != nullptr) {
+    if (const auto known = task.inputs.Find<ViewAnalysis>(key); known != nullptr) {
       outcome.artifact = store_.Find(key);
       outcome.stats.segments = static_cast<std::uint32_t>(known->segments.num_segments());
       outcome.stats.reused = outcome.artifact.has_value();
@@ -159,7 +185,7 @@ Status TaskExecutor::Estimate(const Task& task, TaskOutcome& outcome) {
     return InvalidArgument(TaskName(task.spec.id) + ": expected an output key and a block below " +
                            std::to_string(num_blocks));
   }
-  if (Reuse(task, outcome)) return {};
+  if (Reuse<LabelField>(task, outcome)) return {};
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
   DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
   std::optional<TemporalReferences> references;
@@ -177,12 +203,12 @@ Status TaskExecutor::Estimate(const Task& task, TaskOutcome& outcome) {
                                            num_blocks, task.spec.id.index, task.stop, &stats);
   if (!field.ok()) return field.status().WithContext(task.FrameName());
   Count(stats, outcome.stats);
-  return StoreLabels(task, std::move(*field), outcome);
+  return Store(task, std::move(*field), outcome);
 }
 
 Status TaskExecutor::Merge(const Task& task, TaskOutcome& outcome) {
   if (!task.spec.output_key.has_value()) return InvalidArgument(TaskName(task.spec.id) + ": expected an output key");
-  if (Reuse(task, outcome)) return {};
+  if (Reuse<LabelField>(task, outcome)) return {};
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
   DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
   DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 2));
@@ -190,22 +216,63 @@ Status TaskExecutor::Merge(const Task& task, TaskOutcome& outcome) {
   Result<LabelField> field = MergeLabels(task.job(), analysis, *labels[0], *labels[1], task.stop, &stats);
   if (!field.ok()) return field.status().WithContext(task.FrameName());
   Count(stats, outcome.stats);
-  return StoreLabels(task, std::move(*field), outcome);
+  return Store(task, std::move(*field), outcome);
+}
+
+Status TaskExecutor::Refine(const Task& task, TaskOutcome& outcome) {
+  const ResolvedJob& job = task.job();
+  const int round = task.spec.id.index;
+  const int view = task.spec.id.pair;
+  if (!task.spec.output_key.has_value() || round < 0 || round > job.params.refine_rounds || view < 0 ||
+      view >= job.num_views()) {
+    return InvalidArgument(TaskName(task.spec.id) + ": expected an output key, a round up to " +
+                           std::to_string(job.params.refine_rounds) + " and a view below " +
+                           std::to_string(job.num_views()));
+  }
+  if (Reuse<RefinedView>(task, outcome)) return {};
+  DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
+  Result<RefinedView> refined = round == 0
+                                    ? StartOf(task.spec, job, task.inputs)
+                                    : RefineView(job, view, round, task.inputs.ListedAnalyses(InputRole::kAnalysis),
+                                                 task.inputs.ListedRefined(InputRole::kRefined), task.stop);
+  if (!refined.ok()) return refined.status().WithContext(task.FrameName());
+  return Store(task, std::move(*refined), outcome);
+}
+
+Result<std::vector<Grid<std::uint16_t>>> TaskExecutor::CodesOfViews(const Task& task) {
+  const ResolvedJob& job = task.job();
+  std::vector<Grid<std::uint16_t>> codes;
+  if (job.params.refine_rounds > 0) {
+    const FrameRefinement refined = task.inputs.ListedRefined(InputRole::kRefined);
+    for (int view = 0; view < job.num_views(); ++view) {
+      const auto v = static_cast<std::size_t>(view);
+      const Camera& camera = job.views[v].camera;
+      if (refined[v] == nullptr || refined[v]->plane_of_pixel.width() != camera.width ||
+          refined[v]->plane_of_pixel.height() != camera.height) {
+        return InvalidArgument("camera '" + camera.name + "' has no refined depth of its size");
+      }
+      codes.push_back(RefinedDepthCodes(job, view, *refined[v]));
+    }
+    return codes;
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
+  DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 1));
+  DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
+  DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, *labels[0]));
+  for (std::size_t v = 0; v < analysis.size(); ++v)
+    codes.push_back(DepthCodes(job, static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]));
+  return codes;
 }
 
 Status TaskExecutor::Emit(const Task& task, TaskOutcome& outcome) {
   DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
-  DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
-  DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 1));
-  DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(task.job(), analysis).WithContext(task.FrameName()));
-  DEPTHFARM_RETURN_IF_ERROR(CheckLabels(task.job(), analysis, *labels[0]).WithContext(task.FrameName()));
-  for (std::size_t v = 0; v < analysis.size(); ++v) {
+  const auto codes = CodesOfViews(task);
+  if (!codes.ok()) return codes.status().WithContext(task.FrameName());
+  for (std::size_t v = 0; v < codes->size(); ++v) {
     if (task.stop.stop_requested()) return Cancelled();
     const std::string& camera = task.job().views[v].camera.name;
-    const Grid<std::uint16_t> codes =
-        DepthCodes(task.job(), static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]);
-    Result<std::string> png = EncodeDepthPng(codes);
+    Result<std::string> png = EncodeDepthPng((*codes)[v]);
     if (!png.ok()) return png.status().WithContext("camera '" + camera + "', " + task.FrameName());
     const std::string in_depth = DepthFileName(camera, task.SequenceFrame());
     OutputFile file{.path = in_depth.substr(in_depth.find('/') + 1), .sha256 = Sha256(*png), .bytes = png->size()};
@@ -227,17 +294,19 @@ Status TaskExecutor::Manifest(const Task& task) {
   return folder.Finish(manifest);
 }
 
+template <typename T>
 bool TaskExecutor::Reuse(const Task& task, TaskOutcome& outcome) {
-  if (task.inputs.FindLabels(*task.spec.output_key) == nullptr) return false;
+  if (task.inputs.Find<T>(*task.spec.output_key) == nullptr) return false;
   outcome.artifact = store_.Find(*task.spec.output_key);
   outcome.stats.reused = outcome.artifact.has_value();
   return outcome.stats.reused;
 }
 
-Status TaskExecutor::StoreLabels(const Task& task, LabelField field, TaskOutcome& outcome) {
+template <typename T>
+Status TaskExecutor::Store(const Task& task, T object, TaskOutcome& outcome) {
   if (task.stop.stop_requested()) return Cancelled();
-  DEPTHFARM_ASSIGN_OR_RETURN(outcome.artifact, store_.Put(*task.spec.output_key, EncodeLabelField(field)));
-  cache_.Put(*task.spec.output_key, std::make_shared<const LabelField>(std::move(field)));
+  DEPTHFARM_ASSIGN_OR_RETURN(outcome.artifact, store_.Put(*task.spec.output_key, Encode(object)));
+  cache_.Put(*task.spec.output_key, std::make_shared<const T>(std::move(object)));
   return {};
 }
 

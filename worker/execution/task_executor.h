@@ -18,7 +18,7 @@ namespace depthfarm {
 struct TaskOutcome {
   Status status;
   std::optional<ArtifactKey> output_key;        // Analyse: the name it found
-  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge; in the store
+  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge, Refine; in the store
   std::vector<OutputFile> files;                // Emit: written into the staging folder
   std::optional<ContentDigest> picture_digest;  // Analyse
   std::vector<ArtifactKey> missing_inputs;      // inputs that could be had nowhere (kUnavailable)
@@ -46,12 +46,17 @@ class TaskExecutor {
   [[nodiscard]] Status AnalysePicture(const Task& task, const JobView& view, TaskOutcome& outcome);
   [[nodiscard]] Status Estimate(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Merge(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status Refine(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Emit(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Commit(const Task& task);
   [[nodiscard]] Status Manifest(const Task& task);
-  // Whether the label field that the task is to make is here already.
+  // The depth codes of all views, from refined views or labels as the job asks.
+  [[nodiscard]] static Result<std::vector<Grid<std::uint16_t>>> CodesOfViews(const Task& task);
+  // Whether the artifact (T: LabelField, RefinedView) that the task is to make is here already.
+  template <typename T>
   [[nodiscard]] bool Reuse(const Task& task, TaskOutcome& outcome);
-  [[nodiscard]] Status StoreLabels(const Task& task, LabelField field, TaskOutcome& outcome);
+  template <typename T>
+  [[nodiscard]] Status Store(const Task& task, T object, TaskOutcome& outcome);
 
   ArtifactStore& store_;
   MemoryCache& cache_;

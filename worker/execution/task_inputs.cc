@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "worker/estimation/label_field_codec.h"
+#include "worker/refinement/refined_view_codec.h"
 #include "worker/segmentation/analysis_codec.h"
 
 namespace depthfarm {
@@ -12,6 +14,10 @@ namespace {
 
 bool IsAnalysis(InputRole role) {
   return role == InputRole::kAnalysis || role == InputRole::kPreviousAnalysis || role == InputRole::kIAnalysis;
+}
+
+bool IsRefined(InputRole role) {
+  return role == InputRole::kRefined || role == InputRole::kPreviousRefined || role == InputRole::kIRefined;
 }
 
 std::string RoleName(InputRole role) {
@@ -28,14 +34,29 @@ std::string RoleName(InputRole role) {
       return "I frame labels";
     case InputRole::kLabels:
       return "labels";
+    case InputRole::kPreviousRefined:
+      return "previous refined depth";
+    case InputRole::kIRefined:
+      return "I frame refined depth";
+    case InputRole::kRefined:
+      return "refined depth";
   }
   return "unknown";
 }
 
-template <typename Object>
-Result<std::shared_ptr<const Object>> Shared(Result<Object> decoded) {
+template <typename T>
+Result<std::shared_ptr<const T>> Decode(const std::string& bytes) {
+  Result<T> decoded = [&] {
+    if constexpr (std::is_same_v<T, ViewAnalysis>) {
+      return DecodeAnalysis(bytes);
+    } else if constexpr (std::is_same_v<T, LabelField>) {
+      return DecodeLabelField(bytes);
+    } else {
+      return DecodeRefinedView(bytes);
+    }
+  }();
   if (!decoded.ok()) return decoded.status();
-  return std::make_shared<const Object>(std::move(*decoded));
+  return std::make_shared<const T>(std::move(*decoded));
 }
 
 }  // namespace
@@ -45,7 +66,7 @@ Status TaskInputs::Load(const TaskSpec& spec, int num_views) {
   Status failure;
   for (const TaskInput& input : spec.inputs) {
     if (stop_.stop_requested()) return Cancelled();
-    if (IsAnalysis(input.role) && (input.view < 0 || input.view >= num_views)) {
+    if ((IsAnalysis(input.role) || IsRefined(input.role)) && (input.view < 0 || input.view >= num_views)) {
       return InvalidArgument("input of view " + std::to_string(input.view) + " of a job with " +
                              std::to_string(num_views) + " views");
     }
@@ -69,24 +90,25 @@ Status TaskInputs::LoadOne(const TaskInput& input) {
     cache_.Erase(key);
     store_.Drop(key);
   }
-  Loaded loaded{.role = input.role, .view = input.view, .analysis = nullptr, .labels = nullptr};
+  Loaded loaded{.role = input.role, .view = input.view, .analysis = nullptr, .labels = nullptr, .refined = nullptr};
   if (IsAnalysis(input.role)) {
-    loaded.analysis = FindAnalysis(key);
-    if (loaded.analysis == nullptr) {
-      DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, FetchAndStore(input));
-      DEPTHFARM_ASSIGN_OR_RETURN(loaded.analysis, Shared(DecodeAnalysis(bytes)));
-      cache_.Put(key, loaded.analysis);
-    }
+    DEPTHFARM_ASSIGN_OR_RETURN(loaded.analysis, FindOrFetch<ViewAnalysis>(input));
+  } else if (IsRefined(input.role)) {
+    DEPTHFARM_ASSIGN_OR_RETURN(loaded.refined, FindOrFetch<RefinedView>(input));
   } else {
-    loaded.labels = FindLabels(key);
-    if (loaded.labels == nullptr) {
-      DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, FetchAndStore(input));
-      DEPTHFARM_ASSIGN_OR_RETURN(loaded.labels, Shared(DecodeLabelField(bytes)));
-      cache_.Put(key, loaded.labels);
-    }
+    DEPTHFARM_ASSIGN_OR_RETURN(loaded.labels, FindOrFetch<LabelField>(input));
   }
   loaded_.push_back(std::move(loaded));
   return {};
+}
+
+template <typename T>
+Result<std::shared_ptr<const T>> TaskInputs::FindOrFetch(const TaskInput& input) {
+  if (auto here = Find<T>(input.artifact.key); here != nullptr) return here;
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, FetchAndStore(input));
+  DEPTHFARM_ASSIGN_OR_RETURN(auto decoded, Decode<T>(bytes));
+  cache_.Put(input.artifact.key, decoded);
+  return decoded;
 }
 
 Result<std::string> TaskInputs::FetchAndStore(const TaskInput& input) {
@@ -100,12 +122,12 @@ Result<std::string> TaskInputs::FetchAndStore(const TaskInput& input) {
   return bytes;
 }
 
-template <typename Object>
-std::shared_ptr<const Object> TaskInputs::FindInStore(const ArtifactKey& key,
-                                                      Result<Object> (*decode)(std::string_view)) {
+template <typename T>
+std::shared_ptr<const T> TaskInputs::Find(const ArtifactKey& key) {
+  if (auto cached = cache_.Find<T>(key); cached != nullptr) return cached;
   const Result<std::string> bytes = store_.Get(key);
   if (!bytes.ok()) return nullptr;
-  auto decoded = Shared(decode(*bytes));
+  auto decoded = Decode<T>(*bytes);
   if (!decoded.ok()) {
     store_.Drop(key);
     return nullptr;
@@ -114,14 +136,22 @@ std::shared_ptr<const Object> TaskInputs::FindInStore(const ArtifactKey& key,
   return *decoded;
 }
 
-std::shared_ptr<const ViewAnalysis> TaskInputs::FindAnalysis(const ArtifactKey& key) {
-  auto cached = cache_.FindAnalysis(key);
-  return cached != nullptr ? cached : FindInStore(key, DecodeAnalysis);
+template std::shared_ptr<const ViewAnalysis> TaskInputs::Find(const ArtifactKey&);
+template std::shared_ptr<const LabelField> TaskInputs::Find(const ArtifactKey&);
+template std::shared_ptr<const RefinedView> TaskInputs::Find(const ArtifactKey&);
+
+FrameAnalysis TaskInputs::ListedAnalyses(InputRole role) const {
+  FrameAnalysis analyses(static_cast<std::size_t>(num_views_));
+  for (const Loaded& loaded : loaded_)
+    if (loaded.role == role) analyses[static_cast<std::size_t>(loaded.view)] = loaded.analysis;
+  return analyses;
 }
 
-std::shared_ptr<const LabelField> TaskInputs::FindLabels(const ArtifactKey& key) {
-  auto cached = cache_.FindLabels(key);
-  return cached != nullptr ? cached : FindInStore(key, DecodeLabelField);
+FrameRefinement TaskInputs::ListedRefined(InputRole role) const {
+  FrameRefinement refined(static_cast<std::size_t>(num_views_));
+  for (const Loaded& loaded : loaded_)
+    if (loaded.role == role) refined[static_cast<std::size_t>(loaded.view)] = loaded.refined;
+  return refined;
 }
 
 Result<FrameAnalysis> TaskInputs::Analyses(InputRole role) const {

@@ -4,7 +4,6 @@
 #include <memory>
 #include <stop_token>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/base/status.h"
@@ -13,6 +12,7 @@
 #include "worker/artifacts/store.h"
 #include "worker/estimation/estimation.h"
 #include "worker/execution/artifact_fetcher.h"
+#include "worker/refinement/refine.h"
 
 namespace depthfarm {
 
@@ -29,12 +29,16 @@ class TaskInputs {
 
   // Of a role, one per view in order. kInvalidArgument when the task does not list exactly one per view.
   [[nodiscard]] Result<FrameAnalysis> Analyses(InputRole role) const;
+  // Of a role, by view; null for views that the task does not list.
+  [[nodiscard]] FrameAnalysis ListedAnalyses(InputRole role) const;
+  [[nodiscard]] FrameRefinement ListedRefined(InputRole role) const;
   // Of a role, in the order of the task. kInvalidArgument unless there are `count`.
   [[nodiscard]] Result<std::vector<std::shared_ptr<const LabelField>>> Labels(InputRole role, std::size_t count) const;
 
   // From memory or the store alone; null when it is not there (or is damaged: then it is dropped).
-  [[nodiscard]] std::shared_ptr<const ViewAnalysis> FindAnalysis(const ArtifactKey& key);
-  [[nodiscard]] std::shared_ptr<const LabelField> FindLabels(const ArtifactKey& key);
+  // T: ViewAnalysis, LabelField or RefinedView.
+  template <typename T>
+  [[nodiscard]] std::shared_ptr<const T> Find(const ArtifactKey& key);
 
   [[nodiscard]] const std::vector<ArtifactKey>& missing() const { return missing_; }
   [[nodiscard]] double fetch_seconds() const { return fetch_seconds_; }
@@ -45,13 +49,13 @@ class TaskInputs {
     InputRole role;
     int view;
     std::shared_ptr<const ViewAnalysis> analysis;  // of the analysis roles
-    std::shared_ptr<const LabelField> labels;      // of the others
+    std::shared_ptr<const LabelField> labels;      // of the label roles
+    std::shared_ptr<const RefinedView> refined;    // of the refined roles
   };
   [[nodiscard]] Status LoadOne(const TaskInput& input);
   [[nodiscard]] Result<std::string> FetchAndStore(const TaskInput& input);
-  template <typename Object>
-  [[nodiscard]] std::shared_ptr<const Object> FindInStore(const ArtifactKey& key,
-                                                          Result<Object> (*decode)(std::string_view));
+  template <typename T>
+  [[nodiscard]] Result<std::shared_ptr<const T>> FindOrFetch(const TaskInput& input);
 
   ArtifactStore& store_;
   MemoryCache& cache_;

@@ -8,10 +8,11 @@
 namespace depthfarm {
 namespace {
 
-constexpr double kLambda = 70;
-constexpr double kSlopeCoupling = 0.1;
-constexpr double kColourScale = 10;  // grey levels
-constexpr double kMaxStep = 1;       // pixels of u in a round
+constexpr double kLambda = 70;          // weight of a link against squared colour differences in deviations
+constexpr double kSlopeCoupling = 0.1;  // of a link's weight: equal slopes
+constexpr double kColourScale = 10;     // grey levels
+constexpr double kMaxStep = 1;          // pixels of u in a round
+constexpr double kRidge = 1e-6;         // a segment without data or links stays where it is
 constexpr int kSweeps = 12;
 
 struct Link {
@@ -42,15 +43,8 @@ bool Solve(const std::array<double, 6>& h, const Local& r, Local& p) {
   return true;
 }
 
-}  // namespace
-
-void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, double gap_scale,
-                 std::vector<SlantedPlane>& planes) {
-  const std::size_t n = planes.size();
-  std::vector<Local> start(n);
-  for (std::size_t s = 0; s < n; ++s)
-    start[s] = {planes[s].a, planes[s].b, planes[s].At(map.centers[s].x, map.centers[s].y)};
-  std::vector<std::vector<Link>> links(n);
+std::vector<std::vector<Link>> LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_scale) {
+  std::vector<std::vector<Link>> links(start.size());
   for (const auto& [s, t] : map.adjacency) {
     const double dx = map.centers[t].x - map.centers[s].x;
     const double dy = map.centers[t].y - map.centers[s].y;
@@ -66,17 +60,32 @@ void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, d
     links[s].push_back({t, dx, dy, weight});
     links[t].push_back({s, -dx, -dy, weight});
   }
+  return links;
+}
+
+}  // namespace
+
+void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, double gap_scale, RefinedView& view) {
+  const std::size_t n = view.num_segments();
+  std::vector<SlantedPlane>& planes = view.planes;
+  std::vector<Local> start(n);
+  for (std::size_t s = 0; s < n; ++s)
+    start[s] = {planes[s].a, planes[s].b, planes[s].At(map.centers[s].x, map.centers[s].y)};
+  const std::vector<std::vector<Link>> links = LinksOf(map, start, gap_scale);
   std::vector<Local> now = start;
   const auto update = [&](std::size_t s) {
+    if (view.kept[s] != 0) return;
     std::array<double, 6> h = data[s].h;
     Local r{};
     const Local& p = start[s];
     r[0] = data[s].rhs[0] + h[0] * p[0] + h[1] * p[1] + h[2] * p[2];
     r[1] = data[s].rhs[1] + h[1] * p[0] + h[3] * p[1] + h[4] * p[2];
     r[2] = data[s].rhs[2] + h[2] * p[0] + h[4] * p[1] + h[5] * p[2];
-    h[0] += 1e-6;
-    h[3] += 1e-6;
-    h[5] += 1e-6;
+    constexpr std::array<std::size_t, 3> kDiagonal{0, 3, 5};
+    for (std::size_t i = 0; i < 3; ++i) {
+      h[kDiagonal[i]] += kRidge;
+      r[i] += kRidge * p[i];
+    }
     for (const Link& link : links[s]) {
       const Local& q = now[link.other];
       const double w = link.weight;
@@ -108,7 +117,10 @@ void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, d
     for (std::size_t i = 0; i < n; ++i) update(sweep % 2 == 0 ? i : n - 1 - i);
   }
   for (std::size_t s = 0; s < n; ++s) {
-    planes[s] = {now[s][0], now[s][1], now[s][2] - now[s][0] * map.centers[s].x - now[s][1] * map.centers[s].y};
+    if (view.kept[s] != 0) continue;  // its bits too
+    const auto& [a, b, u] = now[s];
+    planes[s] = {static_cast<float>(a), static_cast<float>(b),
+                 static_cast<float>(u - a * map.centers[s].x - b * map.centers[s].y)};
   }
 }
 

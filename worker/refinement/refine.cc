@@ -1,184 +1,151 @@
 #include "worker/refinement/refine.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
-#include <cstdlib>
-#include <span>
-#include <utility>
+#include <string>
 
 #include "worker/refinement/data_term.h"
+#include "worker/refinement/pixel_choice.h"
 #include "worker/refinement/plane_solver.h"
+#include "worker/refinement/start_view.h"
+#include "worker/refinement/view_geometry.h"
 
 namespace depthfarm {
 namespace {
 
-constexpr double kJump = 0.5;       // pixels of u between neighbours: a depth jump
-constexpr int kBand = 4;            // pixels to either side of it
-constexpr int kReach = 5;           // candidates come from as far
-constexpr double kDistinct = 0.15;  // pixels of u between candidates
-constexpr std::size_t kMaxCandidates = 5;
-constexpr double kPairCost = 0.05;
+constexpr int kBlurredRounds = 1;   // on smoothed pictures: a wider basin while levels are coarse
+constexpr int kAgreeingRounds = 2;  // the last ones: with the other views' depth and with a choice for each pixel
+constexpr double kFirstGapScale = 1;
+constexpr double kLastGapScale = 0.2;
 
-InverseDepthMap MapOf(const RefinedView& view) {
-  const auto& segments = view.segment_of_pixel;
-  InverseDepthMap map(segments.width(), segments.height());
-  for (int y = 0; y < map.height(); ++y)
-    for (int x = 0; x < map.width(); ++x) map(x, y) = static_cast<float>(view.planes[segments(x, y)].At(x, y));
-  return map;
+Status CheckPicture(const Camera& camera, const ViewAnalysis& analysis) {
+  const auto& [picture, segments] = analysis;
+  const auto fits = [&](int width, int height) { return width == camera.width && height == camera.height; };
+  if (camera.width < 2 || camera.height < 2) {
+    return InvalidArgument("camera '" + camera.name + "' is " + std::to_string(camera.width) + "x" +
+                           std::to_string(camera.height) + ": refinement needs pictures of at least 2x2 pixels");
+  }
+  if (fits(picture.width(), picture.height()) && fits(segments.labels.width(), segments.labels.height())) return {};
+  return InvalidArgument("the analysis of camera '" + camera.name + "' is " + std::to_string(picture.width()) + "x" +
+                         std::to_string(picture.height()) + ", expected " + std::to_string(camera.width) + "x" +
+                         std::to_string(camera.height));
 }
 
-Grid<std::uint8_t> JumpBand(const InverseDepthMap& map) {
-  Grid<std::uint8_t> band(map.width(), map.height());
-  const auto mark = [&](int x0, int y0) {
-    for (int y = std::max(0, y0 - kBand); y <= std::min(map.height() - 1, y0 + kBand); ++y)
-      for (int x = std::max(0, x0 - kBand); x <= std::min(map.width() - 1, x0 + kBand); ++x) band(x, y) = 1;
-  };
-  for (int y = 0; y < map.height(); ++y) {
-    for (int x = 0; x < map.width(); ++x) {
-      if ((x + 1 < map.width() && std::abs(map(x, y) - map(x + 1, y)) > kJump) ||
-          (y + 1 < map.height() && std::abs(map(x, y) - map(x, y + 1)) > kJump))
-        mark(x, y);
-    }
-  }
-  return band;
+Status CheckView(const ResolvedJob& job, int view) {
+  if (view >= 0 && view < job.num_views()) return {};
+  return InvalidArgument("view " + std::to_string(view) + " of a job with " + std::to_string(job.num_views()) +
+                         " views is to be refined");
 }
 
-// exp(-d / 10) without the library's exp, whose last bits differ between machines: (1 + d / 40)^-4.
-double ColourWeight(const Colour& a, const Colour& b) {
-  double d = 0;
-  for (int i = 0; i < 3; ++i) d += std::abs(a[i] - b[i]);
-  const double base = 1 / (1 + d / 40);
-  return base * base * base * base;
-}
-
-struct Choice {
-  int x = 0;
-  int y = 0;
-  std::array<SegmentIndex, kMaxCandidates> segments{};
-  std::array<double, kMaxCandidates> costs{};
-  std::size_t count = 0;
-};
-
-double PatchCost(const ColourGrid& own, std::span<const OtherView> others, const SlantedPlane& plane, int x0, int y0) {
-  std::vector<double> per_view;
-  for (const OtherView& other : others) {
-    double sum = 0;
-    double weights = 0;
-    for (int y = std::max(0, y0 - 1); y <= std::min(own.height() - 1, y0 + 1); ++y) {
-      for (int x = std::max(0, x0 - 1); x <= std::min(own.width() - 1, x0 + 1); ++x) {
-        const auto rho = Misfit(own(x, y), other, x, y, plane.At(x, y));
-        if (!rho) continue;
-        const double w = ColourWeight(own(x, y), own(x0, y0));
-        sum += w * *rho;
-        weights += w;
-      }
-    }
-    if (weights > 0) per_view.push_back(sum / weights);
+Status CheckInputs(const ResolvedJob& job, int view, const FrameAnalysis& analysis, const FrameRefinement& before) {
+  if (analysis.size() != job.views.size() || before.size() != job.views.size()) {
+    return InvalidArgument("there are " + std::to_string(analysis.size()) + " analyses and " +
+                           std::to_string(before.size()) + " refined views for " + std::to_string(job.views.size()) +
+                           " views");
   }
-  if (per_view.empty()) return 0.5;
-  std::sort(per_view.begin(), per_view.end());
-  const std::size_t half = (per_view.size() + 1) / 2;
-  double sum = 0;
-  for (std::size_t i = 0; i < half; ++i) sum += per_view[i];
-  return sum / static_cast<double>(half);
-}
-
-void ChoosePlanes(const ColourGrid& own, std::span<const OtherView> others, RefinedView& view) {
-  const InverseDepthMap map = MapOf(view);
-  const Grid<std::uint8_t> band = JumpBand(map);
-  std::vector<Choice> choices;
-  Grid<SegmentIndex>& segments = view.segment_of_pixel;
-  for (int y = 0; y < map.height(); ++y) {
-    for (int x = 0; x < map.width(); ++x) {
-      if (band(x, y) == 0) continue;
-      Choice choice{.x = x, .y = y};
-      std::array<double, kMaxCandidates> values{};
-      const auto offer = [&](int px, int py) {
-        if (!segments.Contains(px, py) || choice.count == kMaxCandidates) return;
-        const SegmentIndex s = segments(px, py);
-        const double u = view.planes[s].At(x, y);
-        for (std::size_t i = 0; i < choice.count; ++i)
-          if (std::abs(values[i] - u) <= kDistinct) return;
-        values[choice.count] = u;
-        choice.segments[choice.count++] = s;
-      };
-      offer(x, y);
-      for (int d = 1; d <= kReach; ++d)
-        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}})
-          offer(x + d * dx, y + d * dy);
-      if (choice.count < 2) continue;
-      for (std::size_t i = 0; i < choice.count; ++i)
-        choice.costs[i] = PatchCost(own, others, view.planes[choice.segments[i]], x, y);
-      choices.push_back(choice);
+  std::vector<int> read = job.views[static_cast<std::size_t>(view)].compared;
+  read.push_back(view);
+  for (const int other : read) {
+    const auto o = static_cast<std::size_t>(other);
+    const Camera& camera = job.views[o].camera;
+    if (analysis[o] == nullptr || before[o] == nullptr) {
+      return InvalidArgument("camera '" + camera.name + "' has no analysis or no depth of the round before");
     }
+    DEPTHFARM_RETURN_IF_ERROR(CheckPicture(camera, *analysis[o]));
+    DEPTHFARM_RETURN_IF_ERROR(CheckRefined(*analysis[o], *before[o]).WithContext("camera '" + camera.name + "'"));
   }
-  for (int sweep = 0; sweep < 3; ++sweep) {
-    for (const Choice& choice : choices) {
-      double best = 1e30;
-      SegmentIndex chosen = segments(choice.x, choice.y);
-      for (std::size_t i = 0; i < choice.count; ++i) {
-        double cost = choice.costs[i];
-        const double u = view.planes[choice.segments[i]].At(choice.x, choice.y);
-        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-          const int nx = choice.x + dx;
-          const int ny = choice.y + dy;
-          if (!segments.Contains(nx, ny)) continue;
-          const double gap = std::abs(view.planes[segments(nx, ny)].At(nx, ny) - u);
-          cost += kPairCost * std::min(1.0, gap / 0.5) * ColourWeight(own(choice.x, choice.y), own(nx, ny));
-        }
-        if (cost < best) {
-          best = cost;
-          chosen = choice.segments[i];
-        }
-      }
-      segments(choice.x, choice.y) = chosen;
-    }
-  }
+  return {};
 }
 
 }  // namespace
 
-std::vector<RefinedView> RefinePlanes(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& labels,
-                                      int rounds) {
-  const std::vector<ViewGeometry> geometry = RefinementGeometry(job);
-  const std::size_t n = analysis.size();
-  std::vector<RefinedView> views(n);
-  std::vector<InverseDepthMap> maps;
-  for (std::size_t v = 0; v < n; ++v) {
-    views[v].segment_of_pixel = analysis[v]->segments.labels;
-    std::vector<SlantedPlane> of_level;
-    of_level.reserve(static_cast<std::size_t>(job.params.levels));
-    for (int level = 0; level < job.params.levels; ++level)
-      of_level.push_back(PlaneOfLevel(job, static_cast<int>(v), geometry[v], static_cast<Level>(level)));
-    for (const Level level : labels.views[v].levels) views[v].planes.push_back(of_level[level]);
-    maps.push_back(MapOf(views[v]));
+Status CheckRefined(const ViewAnalysis& analysis, const RefinedView& refined) {
+  const Grid<SegmentIndex>& labels = analysis.segments.labels;
+  if (refined.plane_of_pixel.width() == labels.width() && refined.plane_of_pixel.height() == labels.height() &&
+      refined.num_segments() == analysis.segments.centers.size() && refined.planes.size() >= refined.num_segments())
+    return {};
+  return InvalidArgument("refined depth of " + std::to_string(refined.plane_of_pixel.width()) + "x" +
+                         std::to_string(refined.plane_of_pixel.height()) + " pixels, " +
+                         std::to_string(refined.num_segments()) + " segments does not fit an analysis of " +
+                         std::to_string(labels.width()) + "x" + std::to_string(labels.height()) + ", " +
+                         std::to_string(analysis.segments.centers.size()));
+}
+
+Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const ViewAnalysis& analysis,
+                                    const ViewLabels& labels, const RefinementReferences* references) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckView(job, view));
+  const auto v = static_cast<std::size_t>(view);
+  DEPTHFARM_RETURN_IF_ERROR(CheckPicture(job.views[v].camera, analysis));
+  const std::vector<SlantedPlane> of_level = PlanesOfLevels(job, view, RefinementGeometry(job)[v]);
+  if (labels.levels.size() != analysis.segments.centers.size()) {
+    return InvalidArgument("camera '" + job.views[v].camera.name + "' has " + std::to_string(labels.levels.size()) +
+                           " labels for " + std::to_string(analysis.segments.centers.size()) + " segments");
   }
-  for (int round = 0; round < rounds; ++round) {
-    const bool blur = round == 0;
-    const bool choose = round >= rounds - 2;
-    std::vector<ColourGrid> colours;
-    for (const auto& view : analysis) colours.push_back(ColourOf(view->picture, blur));
-    const double progress = rounds > 1 ? static_cast<double>(round) / (rounds - 1) : 1;
-    const double gap_scale = 1 - 0.8 * progress;
-    for (std::size_t v = 0; v < n; ++v) {
-      std::vector<OtherView> others;
-      for (const PairGeometry& pair : geometry[v].pairs) {
-        const auto other = static_cast<std::size_t>(pair.other);
-        OtherView entry{.pair = &pair, .colour = &colours[other], .map = &maps[other]};
-        entry.sigma = MeasureNoise(colours[v], maps[v], entry);
-        others.push_back(entry);
-      }
-      const auto& segments = analysis[v]->segments;
-      auto data = DataTerm(colours[v], maps[v], views[v].segment_of_pixel, segments.centers, others, blur);
-      if (choose) AddAgreement(maps[v], segments.centers, others, data);
-      SolvePlanes(segments, data, gap_scale, views[v].planes);
-      if (choose) ChoosePlanes(colours[v], others, views[v]);
+  std::vector<SlantedPlane> planes;
+  planes.reserve(labels.levels.size());
+  for (const Level level : labels.levels) {
+    if (level >= of_level.size()) {
+      return InvalidArgument("camera '" + job.views[v].camera.name + "' has label " + std::to_string(level) + " of " +
+                             std::to_string(of_level.size()) + " levels");
     }
-    for (std::size_t v = 0; v < n; ++v) maps[v] = MapOf(views[v]);
+    planes.push_back(of_level[level]);
   }
-  return views;
+  RefinedView start = StartView(analysis.segments, planes);
+  if (references == nullptr) return start;
+  for (const ReferenceView* reference : {&references->previous, &references->i_frame}) {
+    DEPTHFARM_RETURN_IF_ERROR(CheckPicture(job.views[v].camera, *reference->analysis).WithContext("reference frame"));
+    DEPTHFARM_RETURN_IF_ERROR(CheckRefined(*reference->analysis, *reference->refined).WithContext("reference frame"));
+  }
+  const auto& [previous, i_frame] = *references;
+  KeepUnchanged(analysis.segments, {&previous.analysis->segments, previous.refined.get()},
+                {&i_frame.analysis->segments, i_frame.refined.get()}, job.params.p_threshold, job.params.i_threshold,
+                start);
+  return start;
+}
+
+Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
+                               const FrameRefinement& before, const std::stop_token& stop) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckView(job, view));
+  const int rounds = job.params.refine_rounds;
+  if (round < 1 || round > rounds) {
+    return InvalidArgument("refinement round " + std::to_string(round) + " of " + std::to_string(rounds) +
+                           " is asked for");
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckInputs(job, view, analysis, before));
+  const auto v = static_cast<std::size_t>(view);
+  const auto& kept = before[v]->kept;
+  if (std::find(kept.begin(), kept.end(), 0) == kept.end()) return *before[v];  // nothing may move
+  const ViewGeometry geometry = RefinementGeometry(job)[v];
+  const bool blur = round <= kBlurredRounds;
+  const ColourGrid own = ColourOf(analysis[v]->picture, blur);
+  const InverseDepthMap map = before[v]->Map();
+
+  std::vector<ColourGrid> colours;
+  std::vector<InverseDepthMap> maps;
+  for (const PairGeometry& pair : geometry.pairs) {
+    const auto other = static_cast<std::size_t>(pair.other);
+    colours.push_back(ColourOf(analysis[other]->picture, blur));
+    maps.push_back(before[other]->Map());
+  }
+  std::vector<OtherView> others;
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    OtherView other{.pair = &geometry.pairs[i], .colour = &colours[i], .map = &maps[i]};
+    other.sigma = MeasureNoise(own, map, other);
+    others.push_back(other);
+  }
+  if (stop.stop_requested()) return Cancelled();
+
+  RefinedView refined = *before[v];
+  const SegmentMap& segments = analysis[v]->segments;
+  const bool agree = round > rounds - kAgreeingRounds;
+  std::vector<NormalEquations> data = DataTerm(own, refined, map, segments.centers, others, blur);
+  if (agree) AddAgreement(map, segments.centers, others, data);
+  if (stop.stop_requested()) return Cancelled();
+  const double progress = rounds > 1 ? static_cast<double>(round - 1) / (rounds - 1) : 1;
+  SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined);
+  if (stop.stop_requested()) return Cancelled();
+  if (agree) ChoosePlanes(own, segments.labels, others, refined);
+  return refined;
 }
 
 }  // namespace depthfarm

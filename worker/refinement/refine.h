@@ -1,18 +1,52 @@
 #ifndef DEPTHFARM_WORKER_REFINEMENT_REFINE_H_
 #define DEPTHFARM_WORKER_REFINEMENT_REFINE_H_
 
+#include <memory>
+#include <span>
+#include <stop_token>
 #include <vector>
 
+#include "common/base/status.h"
+#include "common/job/resolved_job.h"
 #include "worker/estimation/estimation.h"
-#include "worker/refinement/view_geometry.h"
+#include "worker/refinement/plane_field.h"
 
 namespace depthfarm {
 
-// Continuous refinement of the labels of a frame: one slanted plane per segment, Gauss-Newton on colour differences
-// against up to four views, `rounds` times; then a choice of plane for each pixel at depth jumps. Each round reads the
-// other views' maps of the round before only, so the order of the views changes nothing.
-[[nodiscard]] std::vector<RefinedView> RefinePlanes(const ResolvedJob& job, const FrameAnalysis& analysis,
-                                                    const LabelField& labels, int rounds);
+// The refined depth of all views of a frame, in the job's order.
+using FrameRefinement = std::vector<std::shared_ptr<const RefinedView>>;
+
+// One frame that a P frame refers to (paper III-E), of the view that is refined.
+struct ReferenceView {
+  std::shared_ptr<const ViewAnalysis> analysis;
+  std::shared_ptr<const RefinedView> refined;  // after its last round
+};
+struct RefinementReferences {
+  ReferenceView previous;
+  ReferenceView i_frame;
+};
+
+// Round 0 of a view: the planes of its segments' levels; unchanged segments of a P frame (`references` is null for I
+// frames) have the refined depth of their reference instead, pixel by pixel, and keep it.
+// Errors: kInvalidArgument: parts that do not fit each other or the job, a picture of less than 2 x 2 pixels.
+[[nodiscard]] Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const ViewAnalysis& analysis,
+                                                  const ViewLabels& labels, const RefinementReferences* references);
+
+// Round `round` (1 .. params.refine_rounds) of a view: Gauss-Newton on the colour differences against the views it is
+// compared with (JobView::compared), one slanted plane per segment; in the last two rounds also agreement with the
+// depth of those views, and a choice of plane for each pixel at depth jumps. `analysis` and `before` (each view after
+// the round before) are read for the view and those it is compared with; the others may be null. So all views of a
+// round can be refined at once, in any order.
+// Errors: as StartRefinement; kCancelled.
+[[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
+                                             const FrameRefinement& before, const std::stop_token& stop = {});
+
+// Depth codes of the view's files (as DepthCodes): 0 more than a pixel of u behind infinity, where no plane is in front
+// of the view; else within the view's own range.
+[[nodiscard]] Grid<std::uint16_t> RefinedDepthCodes(const ResolvedJob& job, int view, const RefinedView& refined);
+
+// kInvalidArgument unless `refined` fits the segments of `analysis`.
+[[nodiscard]] Status CheckRefined(const ViewAnalysis& analysis, const RefinedView& refined);
 
 }  // namespace depthfarm
 

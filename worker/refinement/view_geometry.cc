@@ -3,79 +3,62 @@
 #include <cmath>
 #include <cstddef>
 
-#include "common/geometry/neighbours.h"
+#include "common/geometry/reprojection.h"
 
 namespace depthfarm {
 namespace {
 
-constexpr int kMaxPairs = 4;
-
-// M and e of T[.] in eq. (4) (Reprojection), e still per unit of 1/z.
-PairGeometry PairOf(const Camera& source, const Camera& target, int other) {
-  PairGeometry pair;
-  pair.other = other;
-  const Eigen::Matrix3d rotation =
-      OrderedProduct(target.cam_from_world_rotation, Eigen::Matrix3d(source.cam_from_world_rotation.transpose()));
-  const Eigen::Matrix3d m =
-      OrderedProduct(OrderedProduct(target.intrinsics, rotation), InverseIntrinsics(source.intrinsics));
-  const Eigen::Vector3d in_target =
-      OrderedProduct(target.cam_from_world_rotation, CenterInWorld(source)) + target.cam_from_world_translation;
-  const Eigen::Vector3d e = OrderedProduct(target.intrinsics, in_target);
-  for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) pair.m[row][col] = m(row, col);
-    pair.e[row] = e[row];
-  }
-  return pair;
-}
-
 // Pixels that the picture's centre moves in the other view per unit of 1/z, in the middle of the range.
-double MotionPerInverseDepth(const Camera& camera, const PairGeometry& pair, double inverse_depth) {
+double MotionPerInverseDepth(const Camera& camera, const Reprojection& pair, double inverse_depth) {
   const double x = 0.5 * (camera.width - 1);
   const double y = 0.5 * (camera.height - 1);
-  double q[3];
-  for (int row = 0; row < 3; ++row)
-    q[row] = pair.m[row][0] * x + pair.m[row][1] * y + pair.m[row][2] + pair.e[row] * inverse_depth;
-  const double dx = (pair.e[0] - q[0] / q[2] * pair.e[2]) / q[2];
-  const double dy = (pair.e[1] - q[1] / q[2] * pair.e[2]) / q[2];
-  return std::sqrt(dx * dx + dy * dy);
+  const Reprojection::Projected there = pair.Project(x, y, inverse_depth);
+  const double dx = (pair.e()[0] - there.x * pair.e()[2]) / there.depth_per_source;
+  const double dy = (pair.e()[1] - there.y * pair.e()[2]) / there.depth_per_source;
+  return std::sqrt(dx * dx + dy * dy);  // not std::hypot, whose last bits differ between machines
+}
+
+double PixelsPerInverseDepth(const ResolvedJob& job, const JobView& view) {
+  if (view.compared.empty()) return 1;
+  const Camera& nearest = job.views[static_cast<std::size_t>(view.compared.front())].camera;
+  const double middle = 0.5 * (1 / view.own_range.z_near + 1 / view.own_range.z_far);
+  const double scale = MotionPerInverseDepth(view.camera, Reprojection(view.camera, nearest), middle);
+  return scale > 0 && std::isfinite(scale) ? scale : 1;
 }
 
 }  // namespace
 
 std::vector<ViewGeometry> RefinementGeometry(const ResolvedJob& job) {
-  std::vector<Camera> cameras;
-  for (const JobView& view : job.views) cameras.push_back(view.camera);
-  const auto chosen = ChooseNeighbours(cameras, job.Levels(), kMaxPairs);
-  std::vector<ViewGeometry> result(cameras.size());
-  for (std::size_t v = 0; v < cameras.size(); ++v) {
-    const DepthRange& range = job.views[v].own_range;
-    for (const int other : chosen[v])
-      result[v].pairs.push_back(PairOf(cameras[v], cameras[static_cast<std::size_t>(other)], other));
-    const double middle = 0.5 * (1 / range.z_near + 1 / range.z_far);
-    double scale = 0;
-    if (!result[v].pairs.empty()) scale = MotionPerInverseDepth(cameras[v], result[v].pairs.front(), middle);
-    if (!(scale > 0) || !std::isfinite(scale)) scale = 1;
-    result[v].pixels_per_inverse_depth = scale;
-    result[v].u_near = scale / range.z_near;
-    result[v].u_far = scale / range.z_far;
-  }
-  for (ViewGeometry& view : result) {
-    for (PairGeometry& pair : view.pairs) {
-      for (double& e : pair.e) e /= view.pixels_per_inverse_depth;
-      pair.other_scale =
-          result[static_cast<std::size_t>(pair.other)].pixels_per_inverse_depth / view.pixels_per_inverse_depth;
+  std::vector<ViewGeometry> result(job.views.size());
+  for (std::size_t v = 0; v < result.size(); ++v)
+    result[v].pixels_per_inverse_depth = PixelsPerInverseDepth(job, job.views[v]);
+  for (std::size_t v = 0; v < result.size(); ++v) {
+    const double scale = result[v].pixels_per_inverse_depth;
+    for (const int other : job.views[v].compared) {
+      const auto o = static_cast<std::size_t>(other);
+      const Reprojection pair(job.views[v].camera, job.views[o].camera);
+      result[v].pairs.push_back({.other = other,
+                                 .m = pair.m(),
+                                 .e = pair.e() / scale,
+                                 .other_scale = result[o].pixels_per_inverse_depth / scale});
     }
   }
   return result;
 }
 
-SlantedPlane PlaneOfLevel(const ResolvedJob& job, int view, const ViewGeometry& geometry, Level level) {
+std::vector<SlantedPlane> PlanesOfLevels(const ResolvedJob& job, int view, const ViewGeometry& geometry) {
   const DepthLevels levels = job.Levels();
   const LevelsInView in_view(job.views[static_cast<std::size_t>(view)].camera, levels);
-  const double depth = levels.DepthInRef(level);
   const double s = geometry.pixels_per_inverse_depth;
-  const double c = in_view.InverseDepth(0, 0, depth);
-  return {s * (in_view.InverseDepth(1, 0, depth) - c), s * (in_view.InverseDepth(0, 1, depth) - c), s * c};
+  std::vector<SlantedPlane> planes;
+  planes.reserve(static_cast<std::size_t>(levels.count()));
+  for (int level = 0; level < levels.count(); ++level) {
+    const double depth = levels.DepthInRef(level);
+    const double c = in_view.InverseDepth(0, 0, depth);
+    planes.push_back({static_cast<float>(s * (in_view.InverseDepth(1, 0, depth) - c)),
+                      static_cast<float>(s * (in_view.InverseDepth(0, 1, depth) - c)), static_cast<float>(s * c)});
+  }
+  return planes;
 }
 
 }  // namespace depthfarm

@@ -59,6 +59,8 @@ TEST(EstimationParams, RefusesValuesOutsideTheirBoundsByName) {
       {[](EstimationParams& p) { p.max_sweeps = 1001; }, "sweeps is 1001"},
       {[](EstimationParams& p) { p.neighbours = 0; }, "neighbors is 0"},
       {[](EstimationParams& p) { p.neighbours = 17; }, "neighbors is 17"},
+      {[](EstimationParams& p) { p.refine_rounds = -1; }, "refine is -1"},
+      {[](EstimationParams& p) { p.refine_rounds = 101; }, "refine is 101, expected 1 to 100 rounds, or 0"},
       {[](EstimationParams& p) { p.downscale = 0; }, "downscale is 0"},
       {[](EstimationParams& p) { p.downscale = 3; }, "downscale is 3, expected 1, 2 or 4"},
       {[](EstimationParams& p) { p.downscale = 8; }, "downscale is 8"},
@@ -100,6 +102,7 @@ TEST(EstimationParams, AcceptsTheBoundsThemselves) {
       {[](EstimationParams& p) { p.level_blocks = 4096; }, "level-blocks of unknown levels"},
       {[](EstimationParams& p) { p.max_sweeps = 0; }, "sweeps until nothing changes"},
       {[](EstimationParams& p) { p.neighbours = 16; }, "neighbors"},
+      {[](EstimationParams& p) { p.refine_rounds = 0; }, "no refinement"},
       {[](EstimationParams& p) { p.downscale = 4; }, "downscale"},
       {[](EstimationParams& p) { p.first_frame = 5, p.end_frame = 6; }, "one frame"},
   };
@@ -128,6 +131,7 @@ TEST(Preset, PaperIsThePaperToTheLetter) {
   expected.levels = 250;
   expected.level_blocks = 1;
   expected.max_sweeps = 0;
+  expected.refine_rounds = 0;
   EXPECT_EQ(Preset("paper").value(), expected);
   EXPECT_TRUE(expected.Validate().ok());
 }

@@ -13,6 +13,8 @@ namespace depthfarm {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::SizeIs;
+using ::testing::UnorderedElementsAre;
 
 ResolvedJob Resolved(const Sequence& sequence, const EstimationParams& params = {}) {
   Result<ResolvedJob> job = ResolveJob(sequence, params);
@@ -201,6 +203,15 @@ TEST(ResolveJobViews, AsManyNeighboursAsAskedFor) {
   for (const JobView& view : Resolved(LineSequence({0, 0.1, 0.2, 0.3}), params).views) {
     EXPECT_EQ(view.neighbours.size(), 3u);
   }
+}
+
+TEST(ResolveJobViews, RefinementComparesWithUpToFourWhateverIsMatched) {
+  EstimationParams params;
+  params.neighbours = 1;
+  const ResolvedJob job = Resolved(LineSequence({0, 0.1, 0.2, 0.3, 0.4, 0.5}), params);
+  EXPECT_THAT(job.views[0].compared, SizeIs(4));
+  EXPECT_THAT(job.views[2].compared, UnorderedElementsAre(0, 1, 3, 4));
+  EXPECT_EQ(job.views[2].compared.front(), job.views[2].neighbours.front());
 }
 
 TEST(ResolveJobDownscale, ShrinksPicturesCamerasSegmentsAndLevels) {

@@ -8,14 +8,15 @@
 namespace depthfarm {
 namespace {
 
-constexpr TaskKind kAllKinds[] = {TaskKind::kPrepare, TaskKind::kAnalyse, TaskKind::kEstimate, TaskKind::kMerge,
-                                  TaskKind::kEmit,    TaskKind::kCommit,  TaskKind::kManifest, TaskKind::kCleanup};
+constexpr TaskKind kAllKinds[] = {TaskKind::kPrepare, TaskKind::kAnalyse,  TaskKind::kEstimate,
+                                  TaskKind::kMerge,   TaskKind::kRefine,   TaskKind::kEmit,
+                                  TaskKind::kCommit,  TaskKind::kManifest, TaskKind::kCleanup};
 
 TEST(TaskKindName, IsAWordOfItsOwnForEveryKind) {
   std::set<std::string> names;
   for (const TaskKind kind : kAllKinds) names.insert(TaskKindName(kind));
-  EXPECT_EQ(names, (std::set<std::string>{"prepare", "analyse", "estimate", "merge", "emit", "commit", "manifest",
-                                          "cleanup"}));
+  EXPECT_EQ(names, (std::set<std::string>{"prepare", "analyse", "estimate", "merge", "refine", "emit", "commit",
+                                          "manifest", "cleanup"}));
   EXPECT_EQ(TaskKindName(static_cast<TaskKind>(99)), "unknown");
 }
 
@@ -25,6 +26,7 @@ TEST(TaskName, SaysWhatTheTaskIsOf) {
   EXPECT_EQ(name(TaskKind::kAnalyse), "job 3 frame 12 analyse view 1");
   EXPECT_EQ(name(TaskKind::kEstimate), "job 3 frame 12 estimate block 1");
   EXPECT_EQ(name(TaskKind::kMerge), "job 3 frame 12 merge round 1 pair 4");
+  EXPECT_EQ(name(TaskKind::kRefine), "job 3 frame 12 refine round 1 view 4");
   EXPECT_EQ(name(TaskKind::kEmit), "job 3 frame 12 emit");
   EXPECT_EQ(name(TaskKind::kCommit), "job 3 frame 12 commit");
   EXPECT_EQ(name(TaskKind::kManifest), "job 3 manifest");

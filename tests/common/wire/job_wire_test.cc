@@ -71,6 +71,7 @@ EstimationParams TestParams() {
   params.partition = Partition::kContiguous;
   params.max_sweeps = 9;
   params.neighbours = 1;
+  params.refine_rounds = 7;
   params.downscale = 2;
   params.views = {"cam0", "cam2"};
   params.first_frame = 3;
@@ -99,6 +100,7 @@ JobConfig TestConfig() {
     view.segments = 1000 + i;
     view.own_range = {2.25, 9.75};
     view.neighbours = {1 - i};
+    view.compared = {1 - i};
     config.resolved.views.push_back(view);
   }
   return config;
@@ -215,6 +217,7 @@ TEST(JobConfigWire, EveryFieldComesBack) {
     EXPECT_EQ(a.views[i].own_range.z_near, b.views[i].own_range.z_near);
     EXPECT_EQ(a.views[i].own_range.z_far, b.views[i].own_range.z_far);
     EXPECT_EQ(a.views[i].neighbours, b.views[i].neighbours);
+    EXPECT_EQ(a.views[i].compared, b.views[i].compared);
   }
 }
 
@@ -233,6 +236,9 @@ TEST(JobConfigWire, HostileValuesAreRefused) {
       {"the same view twice", [](v1::JobConfig& c) { c.mutable_views(1)->mutable_camera()->set_name("cam0"); }},
       {"neighbour out of range", [](v1::JobConfig& c) { c.mutable_views(0)->set_neighbours(0, 2); }},
       {"neighbour is itself", [](v1::JobConfig& c) { c.mutable_views(0)->set_neighbours(0, 0); }},
+      {"compared with itself", [](v1::JobConfig& c) { c.mutable_views(1)->set_compared(0, 1); }},
+      {"compared with no view", [](v1::JobConfig& c) { c.mutable_views(1)->clear_compared(); }},
+      {"too many rounds", [](v1::JobConfig& c) { c.mutable_params()->set_refine_rounds(101); }},
       {"no neighbour", [](v1::JobConfig& c) { c.mutable_views(0)->clear_neighbours(); }},
       {"neighbour twice", [](v1::JobConfig& c) { c.mutable_views(0)->add_neighbours(1); }},
       {"no segments", [](v1::JobConfig& c) { c.mutable_views(0)->set_segments(0); }},

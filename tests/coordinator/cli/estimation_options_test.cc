@@ -72,6 +72,7 @@ INSTANTIATE_TEST_SUITE_P(All, AcceptedOption,
                              {"frames", ":", [](EstimationParams&) {}},
                              {"downscale", "4", [](EstimationParams& p) { p.downscale = 4; }},
                              {"neighbors", "3", [](EstimationParams& p) { p.neighbours = 3; }},
+                             {"refine", "0", [](EstimationParams& p) { p.refine_rounds = 0; }},
                              {"sweeps", "2", [](EstimationParams& p) { p.max_sweeps = 2; }},
                              {"sweeps", "auto", [](EstimationParams& p) { p.max_sweeps = 0; }},
                          }));

@@ -46,6 +46,28 @@ TEST(ArtifactKeys, WhatReachesTheEnergyChangesTheKey) {
   EXPECT_EQ(keys.size(), changes.size() + 1);
 }
 
+TEST(ArtifactKeys, WhatReachesTheRefinementOnlyChangesItsKeyOnly) {
+  using Change = std::function<void(JobConfig&)>;
+  const std::vector<Change> changes = {
+      [](JobConfig& c) { ++c.resolved.params.refine_rounds; },
+      [](JobConfig& c) { c.resolved.views[1].compared.clear(); },
+      [](JobConfig& c) { c.resolved.views[1].own_range.z_near += 1e-9; },
+  };
+  const auto refine_key = [](const JobConfig& config) { return ArtifactKeys(config).Refine(1, 0, TwoInputs()); };
+  const JobConfig base = MakePlannedJob({}).config;
+  std::set<ArtifactKey> keys = {refine_key(base)};
+  for (const Change& change : changes) {
+    JobConfig changed = base;
+    change(changed);
+    keys.insert(refine_key(changed));
+    EXPECT_EQ(KeyOf(changed), KeyOf(base));
+  }
+  JobConfig energy = base;
+  energy.resolved.params.smoothing += 1;
+  keys.insert(refine_key(energy));
+  EXPECT_EQ(keys.size(), changes.size() + 2);
+}
+
 TEST(ArtifactKeys, WhatDoesNotReachTheEnergyDoesNot) {
   const JobConfig base = MakePlannedJob({}).config;
   JobConfig other = MakePlannedJob({.id = 9, .frames = 8, .gop = 4}).config;
@@ -62,8 +84,10 @@ TEST(ArtifactKeys, TaskAndInputsChangeTheKey) {
   const std::set<ArtifactKey> distinct = {keys.Estimate(4, 1, TwoInputs()), keys.Estimate(4, 2, TwoInputs()),
                                           keys.Estimate(5, 1, TwoInputs()), keys.Estimate(4, 1, swapped),
                                           keys.Estimate(4, 1, other_role),  keys.Estimate(4, 1, {}),
-                                          keys.Merge(TwoInputs()),          keys.Merge(swapped)};
-  EXPECT_EQ(distinct.size(), 8U);
+                                          keys.Merge(TwoInputs()),          keys.Merge(swapped),
+                                          keys.Refine(1, 2, TwoInputs()),   keys.Refine(2, 1, TwoInputs()),
+                                          keys.Refine(1, 1, TwoInputs()),   keys.Refine(1, 2, swapped)};
+  EXPECT_EQ(distinct.size(), 12U);
 }
 
 TEST(ArtifactKeys, OneBlockIsTheSameHoweverLevelsAreSpread) {

@@ -82,6 +82,38 @@ TEST(JobPlan, TheFirstPFrameListsTheIFrameInBothRoles) {
   EXPECT_EQ(plan.Prerequisites(Id(TaskKind::kEstimate, 1)).size(), 5U);  // each task once
 }
 
+TEST(RefinePlan, StartsFromTheLabelsAndOfAPFrameFromTheRefinedFramesItRefersTo) {
+  const JobPlan plan(MakePlannedJob({.frames = 6, .gop = 3, .views = 3, .blocks_i = 1, .refine = 2}));
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kRefine, 3, 0, 1)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 3, 1), InputRole::kAnalysis, 1},
+                                   PlannedInput{Id(TaskKind::kEstimate, 3, 0), InputRole::kLabels, 0}));
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kRefine, 5, 0, 1)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 5, 1), InputRole::kAnalysis, 1},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 4, 1), InputRole::kPreviousAnalysis, 1},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 3, 1), InputRole::kIAnalysis, 1},
+                                   PlannedInput{Id(TaskKind::kEstimate, 5, 0), InputRole::kLabels, 0},
+                                   PlannedInput{Id(TaskKind::kRefine, 4, 2, 1), InputRole::kPreviousRefined, 1},
+                                   PlannedInput{Id(TaskKind::kRefine, 3, 2, 1), InputRole::kIRefined, 1}));
+}
+
+TEST(RefinePlan, ARoundReadsTheRoundBeforeOfTheViewAndThoseItIsComparedWith) {
+  const JobPlan plan(MakePlannedJob({.frames = 1, .views = 4, .refine = 2}));  // view 3 is compared with view 0
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kRefine, 0, 2, 3)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 0, 0), InputRole::kAnalysis, 0},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 0, 3), InputRole::kAnalysis, 3},
+                                   PlannedInput{Id(TaskKind::kRefine, 0, 1, 0), InputRole::kRefined, 0},
+                                   PlannedInput{Id(TaskKind::kRefine, 0, 1, 3), InputRole::kRefined, 3}));
+}
+
+TEST(RefinePlan, EmitReadsTheLastRoundOfEveryViewAndLabelsWithoutRefinement) {
+  const JobPlan refined(MakePlannedJob({.frames = 1, .refine = 3}));
+  EXPECT_THAT(refined.Inputs(Id(TaskKind::kEmit, 0)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kRefine, 0, 3, 0), InputRole::kRefined, 0},
+                                   PlannedInput{Id(TaskKind::kRefine, 0, 3, 1), InputRole::kRefined, 1}));
+  const JobPlan levels(MakePlannedJob({.frames = 1, .refine = 0}));
+  EXPECT_THAT(LabelInputs(levels, Id(TaskKind::kEmit, 0)), testing::ElementsAre(levels.FinalLabels(0)));
+}
+
 TEST(JobPlan, EmitWaitsForPrepareAndCommitForEmit) {
   const JobPlan plan(MakePlannedJob({}));
   EXPECT_THAT(plan.Prerequisites(Id(TaskKind::kEmit, 1)), testing::Contains(plan.OfJob(TaskKind::kPrepare)));
@@ -91,7 +123,8 @@ TEST(JobPlan, EmitWaitsForPrepareAndCommitForEmit) {
 TEST(JobPlan, TotalsCountWhatTheGopsHoldAndPrerequisitesComeFirst) {
   for (const JobShape& shape : {JobShape{.frames = 7, .gop = 3, .views = 3, .blocks_i = 5, .blocks_p = 2},
                                 JobShape{.frames = 1, .gop = 10, .views = 2, .blocks_i = 1, .blocks_p = 1},
-                                JobShape{.frames = 4, .gop = 1, .views = 4, .blocks_i = 8, .blocks_p = 2}}) {
+                                JobShape{.frames = 4, .gop = 1, .views = 4, .blocks_i = 8, .blocks_p = 2},
+                                JobShape{.frames = 5, .gop = 3, .views = 3, .blocks_i = 2, .refine = 2}}) {
     const JobPlan plan(MakePlannedJob(shape));
     std::map<TaskKind, std::uint64_t> counts;
     for (int gop = 0; gop < plan.num_gops(); ++gop) {

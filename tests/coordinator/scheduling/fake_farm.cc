@@ -82,7 +82,7 @@ TaskFinished FakeFarm::ResultOf(FakeWorker& worker, const Grant& grant) {
   if (spec.id.kind == TaskKind::kEmit) {
     EXPECT_TRUE(emitted.emplace(spec.id.job, spec.staging).second) << "two attempts share " << spec.staging;
     for (const TaskInput& input : spec.inputs) {
-      if (input.role != InputRole::kAnalysis) continue;
+      if (input.role != InputRole::kAnalysis && input.role != InputRole::kRefined) continue;
       std::string number = std::to_string(spec.id.frame);
       number.insert(0, 4 - number.size(), '0');
       result.files.push_back({"cam" + std::to_string(input.view) + "/" + number + ".png", Sha256(spec.staging), 5});

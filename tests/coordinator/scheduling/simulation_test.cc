@@ -37,7 +37,8 @@ class Chaos {
                                  .gop = 1 + Below(4),
                                  .views = 2 + Below(2),
                                  .blocks_i = 1 + Below(5),
-                                 .blocks_p = 1 + Below(2)}),
+                                 .blocks_p = 1 + Below(2),
+                                 .refine = Below(3)}),
                  Below(2));
   }
   [[nodiscard]] int submitted() const { return submitted_; }

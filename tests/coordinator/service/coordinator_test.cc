@@ -27,8 +27,8 @@ TEST(Coordinator, DrivesAJobOfTwoGopsToItsEndOverASocket) {
   const v1::Envelope accepted = client.Call(SubmitRequest(4, "/out/a/"));
   ASSERT_TRUE(accepted.has_job_accepted()) << accepted.error().message();
   EXPECT_EQ(accepted.request_id(), 1U);
-  // Prepare, Manifest; per frame 3 Analyse, 2 Estimate, 1 Merge, Emit, Commit.
-  EXPECT_EQ(worker.WorkUntilJobEnds(), 2 + 4 * 8);
+  // Prepare, Manifest; per frame 3 Analyse, 2 Estimate, 1 Merge, 2 x 3 Refine, Emit, Commit.
+  EXPECT_EQ(worker.WorkUntilJobEnds(), 2 + 4 * 14);
 
   const v1::Envelope answer = client.Call(StatusRequest(accepted.job_accepted().job_id()));
   EXPECT_EQ(answer.request_id(), 77U);
@@ -37,7 +37,7 @@ TEST(Coordinator, DrivesAJobOfTwoGopsToItsEndOverASocket) {
   EXPECT_EQ(status.frames_done(), 4U);
   EXPECT_EQ(status.output_dir(), "/out/a");
   EXPECT_EQ(status.summary(), "3 views 64x48, 459 segments, 16 levels, n = 2 interleaved");
-  EXPECT_EQ(status.stages_size(), 7);
+  EXPECT_EQ(status.stages_size(), 8);
   for (const v1::StageStatus& stage : status.stages()) EXPECT_EQ(stage.tasks_done(), stage.tasks_total());
 }
 

@@ -84,7 +84,7 @@ void FakeFarmWorker::Report(const v1::GrantTask& grant) {
   if (spec.id.kind == TaskKind::kEmit) {
     for (const TaskInput& input : spec.inputs) {
       EXPECT_FALSE(input.locations.empty());
-      if (input.role != InputRole::kAnalysis) continue;
+      if (input.role != InputRole::kRefined) continue;
       const std::string path = "cam" + std::to_string(input.view) + "/000" + std::to_string(spec.id.frame) + ".png";
       *finished->add_files() = ToProto(OutputFile{path, Sha256(path), 10});
     }
@@ -125,6 +125,7 @@ v1::Envelope SubmitRequest(int frames, const std::string& output_dir) {
   params.gop = 2;
   params.levels = 16;
   params.level_blocks = 2;
+  params.refine_rounds = 1;
   v1::Envelope envelope;
   envelope.set_request_id(1);
   *envelope.mutable_submit_job()->mutable_sequence() = ToProto(SmallSequence(3, frames));

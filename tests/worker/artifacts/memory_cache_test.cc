@@ -28,7 +28,7 @@ TEST(MemoryCache, SharesOneObject) {
   MemoryCache cache(1 << 20);
   const auto field = Labels(10);
   cache.Put(Key(1), field);
-  EXPECT_EQ(cache.FindLabels(Key(1)), field);
+  EXPECT_EQ(cache.Find<LabelField>(Key(1)), field);
   EXPECT_EQ(cache.total_bytes(), MemoryBytes(*field));
 }
 
@@ -41,11 +41,11 @@ TEST(MemoryCache, DropsTheLeastRecentlyUsed) {
   MemoryCache cache(2 * one);
   cache.Put(Key(1), Labels(1000));
   cache.Put(Key(2), Labels(1000));
-  EXPECT_NE(cache.FindLabels(Key(1)), nullptr);
+  EXPECT_NE(cache.Find<LabelField>(Key(1)), nullptr);
   cache.Put(Key(3), Labels(1000));
-  EXPECT_EQ(cache.FindLabels(Key(2)), nullptr);
-  EXPECT_NE(cache.FindLabels(Key(1)), nullptr);
-  EXPECT_NE(cache.FindLabels(Key(3)), nullptr);
+  EXPECT_EQ(cache.Find<LabelField>(Key(2)), nullptr);
+  EXPECT_NE(cache.Find<LabelField>(Key(1)), nullptr);
+  EXPECT_NE(cache.Find<LabelField>(Key(3)), nullptr);
   EXPECT_EQ(cache.total_bytes(), 2 * one);
 }
 
@@ -53,14 +53,14 @@ TEST(MemoryCache, DoesNotKeepWhatExceedsItsBoundAndKeepsTheRest) {
   MemoryCache cache(MemoryBytes(*Labels(1000)));
   cache.Put(Key(1), Labels(1000));
   cache.Put(Key(2), Labels(2000));
-  EXPECT_EQ(cache.FindLabels(Key(2)), nullptr);
-  EXPECT_NE(cache.FindLabels(Key(1)), nullptr);
+  EXPECT_EQ(cache.Find<LabelField>(Key(2)), nullptr);
+  EXPECT_NE(cache.Find<LabelField>(Key(1)), nullptr);
 }
 
 TEST(MemoryCache, AnObjectInUseOutlivesItsEviction) {
   MemoryCache cache(MemoryBytes(*Labels(1000)));
   cache.Put(Key(1), Labels(1000));
-  const auto used = cache.FindLabels(Key(1));
+  const auto used = cache.Find<LabelField>(Key(1));
   cache.Put(Key(2), Labels(1000));
   EXPECT_EQ(used->views[0].levels.size(), 1000);
 }
@@ -68,17 +68,17 @@ TEST(MemoryCache, AnObjectInUseOutlivesItsEviction) {
 TEST(MemoryCache, TakesAKeyForOneKindOfObjectOnly) {
   MemoryCache cache(1 << 20);
   cache.Put(Key(1), Analysis(4, 4));
-  EXPECT_EQ(cache.FindLabels(Key(1)), nullptr);
-  EXPECT_NE(cache.FindAnalysis(Key(1)), nullptr);
+  EXPECT_EQ(cache.Find<LabelField>(Key(1)), nullptr);
+  EXPECT_NE(cache.Find<ViewAnalysis>(Key(1)), nullptr);
   cache.Put(Key(1), Labels(5));
-  EXPECT_EQ(cache.FindAnalysis(Key(1)), nullptr);
+  EXPECT_EQ(cache.Find<ViewAnalysis>(Key(1)), nullptr);
   EXPECT_EQ(cache.total_bytes(), MemoryBytes(*Labels(5)));
 }
 
 TEST(MemoryCache, CanBeTurnedOff) {
   MemoryCache cache(0);
   cache.Put(Key(1), Labels(1));
-  EXPECT_EQ(cache.FindLabels(Key(1)), nullptr);
+  EXPECT_EQ(cache.Find<LabelField>(Key(1)), nullptr);
   EXPECT_EQ(cache.total_bytes(), 0);
 }
 

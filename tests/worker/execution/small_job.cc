@@ -58,6 +58,7 @@ SmallJob::SmallJob() {
   params.segments = 80;
   params.gop = 2;
   params.level_blocks = 2;
+  params.refine_rounds = 2;
   params.first_frame = kFirstFrame;
   config.job = JobId{3};
   config.resolved = ResolveJob(sequence, params).value();
@@ -88,13 +89,16 @@ TaskId SmallJob::FinalLabels(int frame) {
   return {.job = JobId{3}, .frame = frame, .kind = TaskKind::kMerge, .index = 0, .pair = 0};
 }
 
+TaskId SmallJob::Refined(int frame, int round, int view) {
+  return {.job = JobId{3}, .frame = frame, .kind = TaskKind::kRefine, .index = round, .pair = view};
+}
+
+void SmallJob::AddOfView(TaskSpec& spec, InputRole role, const TaskId& producer, int view) const {
+  spec.inputs.push_back({.artifact = artifacts_.at(producer), .role = role, .view = view, .locations = {}});
+}
+
 void SmallJob::AddAnalyses(TaskSpec& spec, InputRole role, int frame) const {
-  for (int view = 0; view < kViews; ++view) {
-    spec.inputs.push_back({.artifact = artifacts_.at(Spec(TaskKind::kAnalyse, frame, view).id),
-                           .role = role,
-                           .view = view,
-                           .locations = {}});
-  }
+  for (int view = 0; view < kViews; ++view) AddOfView(spec, role, Spec(TaskKind::kAnalyse, frame, view).id, view);
 }
 
 void SmallJob::AddLabels(TaskSpec& spec, InputRole role, const TaskId& producer) const {
@@ -124,10 +128,35 @@ TaskSpec SmallJob::Merge(int frame) const {
   return spec;
 }
 
+TaskSpec SmallJob::Refine(int frame, int round, int view) const {
+  TaskSpec spec;
+  spec.id = Refined(frame, round, view);
+  const auto analysis = [&](int of_frame, int of_view) { return Spec(TaskKind::kAnalyse, of_frame, of_view).id; };
+  const int last = config.resolved.params.refine_rounds;
+  if (round == 0) {
+    AddOfView(spec, InputRole::kAnalysis, analysis(frame, view), view);
+    if (frame > 0) AddOfView(spec, InputRole::kPreviousAnalysis, analysis(frame - 1, view), view);
+    if (frame > 0) AddOfView(spec, InputRole::kIAnalysis, analysis(0, view), view);
+    AddLabels(spec, InputRole::kLabels, FinalLabels(frame));
+    if (frame > 0) AddOfView(spec, InputRole::kPreviousRefined, Refined(frame - 1, last, view), view);
+    if (frame > 0) AddOfView(spec, InputRole::kIRefined, Refined(0, last, view), view);
+  } else {  // three views: each is compared with both others
+    AddAnalyses(spec, InputRole::kAnalysis, frame);
+    for (int v = 0; v < kViews; ++v) AddOfView(spec, InputRole::kRefined, Refined(frame, round - 1, v), v);
+  }
+  spec.output_key = Sha256(TaskName(spec.id));
+  return spec;
+}
+
 TaskSpec SmallJob::Emit(int frame) const {
   TaskSpec spec = Spec(TaskKind::kEmit, frame, 0);
-  AddAnalyses(spec, InputRole::kAnalysis, frame);
-  AddLabels(spec, InputRole::kLabels, FinalLabels(frame));
+  const int last = config.resolved.params.refine_rounds;
+  if (last > 0) {
+    for (int v = 0; v < kViews; ++v) AddOfView(spec, InputRole::kRefined, Refined(frame, last, v), v);
+  } else {
+    AddAnalyses(spec, InputRole::kAnalysis, frame);
+    AddLabels(spec, InputRole::kLabels, FinalLabels(frame));
+  }
   spec.staging = "frame-" + std::to_string(frame);
   return spec;
 }
@@ -164,6 +193,9 @@ Status SmallJob::RunOn(const std::vector<TestWorker*>& workers) {
     for (int view = 0; view < kViews; ++view) DEPTHFARM_RETURN_IF_ERROR(run(Analyse(frame, view)));
     for (int block = 0; block < 2; ++block) DEPTHFARM_RETURN_IF_ERROR(run(Estimate(frame, block)));
     DEPTHFARM_RETURN_IF_ERROR(run(Merge(frame)));
+    const int last = config.resolved.params.refine_rounds;
+    for (int round = 0; last > 0 && round <= last; ++round)
+      for (int view = 0; view < kViews; ++view) DEPTHFARM_RETURN_IF_ERROR(run(Refine(frame, round, view)));
     DEPTHFARM_RETURN_IF_ERROR(run(Emit(frame)));
     DEPTHFARM_RETURN_IF_ERROR(run(Commit(frame)));
   }

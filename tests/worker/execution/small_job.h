@@ -33,8 +33,8 @@ struct TestWorker {
   TaskExecutor& executor;
 };
 
-// A job of three views of two planes and two frames (an I and a P frame), two level blocks each, with its pictures on
-// disk; sequence frames 5 and 6. Makes the specs of its tasks as a coordinator does.
+// A job of three views of two planes and two frames (an I and a P frame), two level blocks each, two rounds of
+// refinement, with its pictures on disk; sequence frames 5 and 6. Makes the specs of its tasks as a coordinator does.
 class SmallJob {
  public:
   SmallJob();
@@ -43,6 +43,7 @@ class SmallJob {
   [[nodiscard]] TaskSpec Analyse(int frame, int view) const;
   [[nodiscard]] TaskSpec Estimate(int frame, int block) const;
   [[nodiscard]] TaskSpec Merge(int frame) const;
+  [[nodiscard]] TaskSpec Refine(int frame, int round, int view) const;
   [[nodiscard]] TaskSpec Emit(int frame) const;
   [[nodiscard]] TaskSpec Commit(int frame) const;
   [[nodiscard]] TaskSpec Manifest() const;
@@ -59,8 +60,10 @@ class SmallJob {
  private:
   [[nodiscard]] TaskSpec Spec(TaskKind kind, int frame, int index) const;
   void AddAnalyses(TaskSpec& spec, InputRole role, int frame) const;
+  void AddOfView(TaskSpec& spec, InputRole role, const TaskId& producer, int view) const;
   void AddLabels(TaskSpec& spec, InputRole role, const TaskId& producer) const;
   [[nodiscard]] static TaskId FinalLabels(int frame);
+  [[nodiscard]] static TaskId Refined(int frame, int round, int view);
 
   testing_support::TemporaryFolder folder_;
   std::map<TaskId, ArtifactInfo> artifacts_;

@@ -90,7 +90,8 @@ TEST(TaskExecutor, ARepeatedJobReusesWhatExists) {
   SmallJob job;
   TestWorker worker;
   ASSERT_TRUE(job.RunOn({&worker}).ok());
-  for (const TaskSpec& spec : {job.Analyse(0, 1), job.Estimate(1, 0), job.Merge(1)}) {
+  for (const TaskSpec& spec :
+       {job.Analyse(0, 1), job.Estimate(1, 0), job.Merge(1), job.Refine(1, 0, 2), job.Refine(1, 2, 1)}) {
     const TaskOutcome outcome = worker.Execute(spec, job.config);
     ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
     EXPECT_TRUE(outcome.stats.reused) << TaskName(spec.id);
@@ -217,8 +218,48 @@ TEST(TaskExecutor, RefusesTasksThatDoNotFitTheJob) {
   EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
 }
 
+TEST(TaskExecutor, RefusesRefinementsThatDoNotFitTheJob) {
+  SmallJob job;
+  TestWorker worker;
+  ASSERT_TRUE(job.RunOn({&worker}).ok());
+  int made = 0;
+  const auto status_of = [&](TaskSpec spec) {
+    spec.output_key = Sha256("not made yet " + std::to_string(++made));
+    return worker.Execute(spec, job.config).status;
+  };
+  EXPECT_TRUE(status_of(job.Refine(1, 1, 0)).ok());
+  TaskSpec spec = job.Refine(1, 2, 0);
+  spec.id.index = 3;
+  EXPECT_THAT(status_of(spec).message(), HasSubstr("a round up to 2"));
+  spec = job.Refine(1, 2, 0);
+  spec.id.pair = 3;
+  EXPECT_THAT(status_of(spec).message(), HasSubstr("a view below 3"));
+  spec = job.Refine(1, 2, 0);
+  spec.inputs.pop_back();
+  EXPECT_THAT(status_of(spec).message(), HasSubstr("camera 'cam2' has no analysis or no depth of the round before"));
+  spec = job.Refine(1, 0, 1);
+  spec.inputs.pop_back();
+  EXPECT_THAT(status_of(spec).message(), HasSubstr("the frames it refers to"));
+  spec = job.Refine(1, 0, 1);
+  spec.inputs[5].view = 7;
+  EXPECT_EQ(status_of(spec).code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(TaskExecutor, EmitsRefinedDepthOfEveryViewOrNone) {
+  SmallJob job;
+  TestWorker worker;
+  ASSERT_TRUE(job.RunOn({&worker}).ok());
+  ASSERT_TRUE(worker.Execute(job.Simple(TaskKind::kPrepare), job.config).status.ok());
+  TaskSpec spec = job.Emit(1);
+  EXPECT_TRUE(worker.Execute(spec, job.config).status.ok());
+  spec.inputs.erase(spec.inputs.begin() + 1);
+  const Status status = worker.Execute(spec, job.config).status;
+  EXPECT_THAT(status.message(), HasSubstr("frame 6: camera 'cam1' has no refined depth"));
+}
+
 TEST(TaskExecutor, EmitsNoDepthFromLabelsThatDoNotFit) {
   SmallJob job;
+  job.config.resolved.params.refine_rounds = 0;
   TestWorker worker;
   ASSERT_TRUE(job.RunOn({&worker}).ok());
   ASSERT_TRUE(worker.Execute(job.Simple(TaskKind::kPrepare), job.config).status.ok());

@@ -1,0 +1,69 @@
+#include "worker/refinement/data_term.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/worker/refinement/two_views.h"
+
+namespace depthfarm {
+namespace {
+
+const std::vector<PixelPosition> kCentre{{20, 15}};
+
+// The change of u at the centre that the equations ask for, slopes held.
+double Step(const NormalEquations& equations) { return equations.rhs[2] / equations.h[5]; }
+
+std::vector<NormalEquations> Equations(const TwoViews& views, const RefinedView& view) {
+  const std::vector<OtherView> others{views.Other()};
+  return DataTerm(views.own, view, view.Map(), kCentre, others, false);
+}
+
+TEST(DataTerm, AsksForTheWayBackToTheTruth) {
+  const TwoViews views(5);
+  EXPECT_NEAR(Step(Equations(views, FlatView(5.3))[0]), -0.3, 0.05);
+  EXPECT_NEAR(Step(Equations(views, FlatView(4.8))[0]), 0.2, 0.05);
+  EXPECT_NEAR(Step(Equations(views, FlatView(5))[0]), 0, 1e-3);
+}
+
+TEST(DataTerm, ReadsAllOfALargerOtherView) {  // and nothing outside of a smaller one
+  const TwoViews larger(-20, 80, 60);
+  EXPECT_NEAR(Step(Equations(larger, FlatView(-20.2))[0]), 0.2, 0.05);
+  const TwoViews smaller(5, 24, 20);
+  EXPECT_NEAR(Step(Equations(smaller, FlatView(5.2))[0]), -0.2, 0.05);
+}
+
+TEST(DataTerm, LeavesKeptSegmentsAndTheirPixelsOut) {
+  const TwoViews views(5);
+  RefinedView kept = FlatView(5.3);
+  kept.kept[0] = 1;
+  EXPECT_EQ(Equations(views, kept)[0].h[5], 0);
+  RefinedView copied = FlatView(5.3);  // all pixels have a plane of a reference frame
+  copied.planes.push_back(copied.planes[0]);
+  for (PlaneIndex& plane : copied.plane_of_pixel.values()) plane = 1;
+  EXPECT_EQ(Equations(views, copied)[0].h[5], 0);
+}
+
+TEST(DataTerm, AnOtherViewThatDoesNotFitCountsLess) {
+  const TwoViews good(5);
+  TwoViews bad(5);
+  for (Colour& colour : bad.there.values()) colour[0] += 30;
+  const std::vector<OtherView> others{good.Other(), bad.Other()};
+  const RefinedView view = FlatView(5.2);
+  const auto both = DataTerm(good.own, view, view.Map(), kCentre, others, false);
+  EXPECT_NEAR(Step(both[0]), -0.2, 0.05);
+}
+
+TEST(AddAgreement, DrawsToTheOtherViewsDepthUnlessItIsFarOff) {
+  const TwoViews views(5);
+  const std::vector<OtherView> others{views.Other()};
+  const auto pull = [&](double u) {
+    std::vector<NormalEquations> equations(1);
+    AddAgreement(FlatView(u).Map(), kCentre, others, equations);
+    return equations[0];
+  };
+  EXPECT_NEAR(Step(pull(5.2)), -0.2, 1e-6);
+  EXPECT_GT(pull(5.2).h[5], 30);
+  EXPECT_LT(pull(9).h[5], 1);
+}
+
+}  // namespace
+}  // namespace depthfarm

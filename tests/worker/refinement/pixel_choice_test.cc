@@ -1,0 +1,66 @@
+#include "worker/refinement/pixel_choice.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/worker/refinement/two_views.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr int kEdge = 20;  // a board at u = 8 ends here, the wall behind is at u = 2
+constexpr double kNear = 8;
+constexpr double kFar = 2;
+
+// The board left of the edge is dark, the wall bright; the segments' border is three pixels too far right.
+struct Edge {
+  TwoViews views{kFar};
+  Grid<SegmentIndex> segments{TwoViews::kWidth, TwoViews::kHeight};
+  RefinedView refined{.planes = {{0, 0, float(kNear)}, {0, 0, float(kFar)}}, .kept = {0, 0}, .plane_of_pixel = {}};
+
+  Edge() {
+    const auto dark = [](Colour colour) { return Colour{colour[0] - 90, colour[1], colour[2], 0}; };
+    for (int y = 0; y < TwoViews::kHeight; ++y) {
+      for (int x = 0; x < TwoViews::kWidth; ++x) {
+        if (x < kEdge) views.own(x, y) = dark(TextureAt(x, y));
+        segments(x, y) = x < kEdge + 3 ? 0 : 1;
+        if (x >= kEdge - int(kNear)) continue;
+        views.there(x, y) = dark(TextureAt(x + kNear, y));
+        views.there_map(x, y) = float(kNear);
+      }
+    }
+    refined.plane_of_pixel = segments;
+  }
+
+  void Choose() {
+    const std::vector<OtherView> others{views.Other()};
+    ChoosePlanes(views.own, segments, others, refined);
+  }
+};
+
+TEST(ChoosePlanes, MovesTheDepthEdgeToThePictures) {
+  Edge edge;
+  edge.Choose();
+  for (int y = 1; y + 1 < TwoViews::kHeight; ++y) {
+    for (int x = 12; x < TwoViews::kWidth - 6; ++x)
+      EXPECT_EQ(edge.refined.At(x, y), x < kEdge ? kNear : kFar) << x << "," << y;
+  }
+}
+
+TEST(ChoosePlanes, PixelsOfKeptSegmentsStay) {
+  Edge edge;
+  edge.refined.kept[0] = 1;
+  const Grid<PlaneIndex> before = edge.refined.plane_of_pixel;
+  edge.Choose();
+  for (int y = 0; y < TwoViews::kHeight; ++y)
+    for (int x = 0; x < kEdge + 3; ++x) ASSERT_EQ(edge.refined.plane_of_pixel(x, y), before(x, y));
+}
+
+TEST(ChoosePlanes, LeavesASmoothSurfaceAlone) {
+  Edge edge;
+  edge.refined.planes[0] = {0, 0, 2.3F};
+  edge.Choose();
+  EXPECT_EQ(edge.refined.plane_of_pixel, edge.segments);
+}
+
+}  // namespace
+}  // namespace depthfarm

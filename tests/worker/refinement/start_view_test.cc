@@ -1,0 +1,79 @@
+#include "worker/refinement/start_view.h"
+
+#include <gtest/gtest.h>
+
+namespace depthfarm {
+namespace {
+
+// Columns of a 4 x 2 picture as segments, of the given grey means.
+SegmentMap Columns(const std::vector<int>& means) {
+  SegmentMap map;
+  map.labels = Grid<SegmentIndex>(4, 2);
+  for (int x = 0; x < 4; ++x) {
+    for (int y = 0; y < 2; ++y) map.labels(x, y) = static_cast<SegmentIndex>(x);
+    map.centers.push_back({x, 0});
+    map.means.push_back({means[static_cast<std::size_t>(x)] * kMeanColorScale, 0, 0});
+  }
+  return map;
+}
+
+RefinedView Start(const SegmentMap& segments, float u) {
+  return StartView(segments, std::vector<SlantedPlane>(4, SlantedPlane{0.5F, 0, u}));
+}
+
+TEST(KeepUnchanged, TakesOverTheDepthOfEachPixelNotOfTheSegment) {
+  const SegmentMap segments = Columns({10, 20, 30, 40});
+  RefinedView before = Start(segments, 7);
+  before.planes[1] = {0, 0, 3};
+  before.plane_of_pixel(2, 1) = 1;  // chosen at a jump
+  RefinedView view = Start(segments, 1);
+  KeepUnchanged(segments, {&segments, &before}, {&segments, &before}, 3, 1, view);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 4; ++x) EXPECT_EQ(view.At(x, y), before.At(x, y)) << x << "," << y;
+  EXPECT_EQ(view.kept, (std::vector<std::uint8_t>{1, 1, 1, 1}));
+  EXPECT_EQ(view.planes[2], before.planes[2]);  // the one under the segment's centre
+  EXPECT_EQ(view.planes.size(), 4U + 4U);       // each plane that is used is copied once
+}
+
+TEST(KeepUnchanged, ChangedSegmentsStartFromTheirOwnPlane) {
+  const SegmentMap segments = Columns({10, 20, 30, 40});
+  const SegmentMap changed = Columns({10, 99, 30, 40});
+  const RefinedView before = Start(segments, 7);
+  RefinedView view = Start(changed, 1);
+  KeepUnchanged(changed, {&segments, &before}, {&segments, &before}, 3, 1, view);
+  EXPECT_EQ(view.kept, (std::vector<std::uint8_t>{1, 0, 1, 1}));
+  EXPECT_EQ(view.plane_of_pixel(1, 0), 1U);
+  EXPECT_EQ(view.At(1, 0), 1.5);
+  EXPECT_TRUE(view.IsFree(1));
+  EXPECT_FALSE(view.IsFree(0));
+  EXPECT_FALSE(view.IsFree(view.plane_of_pixel(0, 0)));
+}
+
+TEST(KeepUnchanged, PrefersTheIFrameThenThePreviousFrame) {  // III-E: T_I is the stricter
+  const SegmentMap i_segments = Columns({10, 20, 30, 40});
+  const SegmentMap segments = Columns({10, 22, 30, 60});
+  const RefinedView of_i_frame = Start(i_segments, 7);
+  const RefinedView of_previous = Start(segments, 9);
+  RefinedView view = Start(segments, 1);
+  KeepUnchanged(segments, {&segments, &of_previous}, {&i_segments, &of_i_frame}, 3, 1, view);
+  EXPECT_EQ(view.At(0, 1), 7);
+  EXPECT_EQ(view.At(1, 1), 9 + 0.5);
+  EXPECT_EQ(view.At(2, 1), 7 + 1);
+  EXPECT_EQ(view.At(3, 1), 9 + 1.5);
+}
+
+TEST(KeepUnchanged, StaysTheSameOverManyFramesAndDoesNotGrow) {
+  const SegmentMap segments = Columns({10, 20, 30, 40});
+  const RefinedView first = Start(segments, 7);
+  RefinedView last = first;
+  for (int frame = 0; frame < 20; ++frame) {
+    RefinedView view = Start(segments, 1);
+    KeepUnchanged(segments, {&segments, &last}, {&segments, &first}, 3, 0, view);
+    last = view;
+    EXPECT_LE(last.planes.size(), 8U);
+  }
+  EXPECT_EQ(last.Map(), first.Map());
+}
+
+}  // namespace
+}  // namespace depthfarm

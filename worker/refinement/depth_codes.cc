@@ -1,0 +1,34 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "worker/refinement/refine.h"
+#include "worker/refinement/view_geometry.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr double kBehindInfinity = 1;  // pixels of u
+
+}  // namespace
+
+Grid<std::uint16_t> RefinedDepthCodes(const ResolvedJob& job, int view, const RefinedView& refined) {
+  const auto v = static_cast<std::size_t>(view);
+  const double pixels = RefinementGeometry(job)[v].pixels_per_inverse_depth;
+  const DepthRange& range = job.views[v].own_range;
+  constexpr double kSteps = 65534;
+  const double far_inverse = 1.0 / range.z_far;
+  const double scale = kSteps / (1.0 / range.z_near - far_inverse);
+  Grid<std::uint16_t> codes(refined.plane_of_pixel.width(), refined.plane_of_pixel.height());
+  for (int y = 0; y < codes.height(); ++y) {
+    for (int x = 0; x < codes.width(); ++x) {
+      const double u = refined.At(x, y);
+      if (!(u > -kBehindInfinity) || !std::isfinite(u)) continue;
+      const double code = std::floor((u / pixels - far_inverse) * scale + 0.5);
+      codes(x, y) = static_cast<std::uint16_t>(1 + std::clamp(code, 0.0, kSteps));
+    }
+  }
+  return codes;
+}
+
+}  // namespace depthfarm

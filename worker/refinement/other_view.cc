@@ -1,0 +1,63 @@
+#include "worker/refinement/other_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace depthfarm {
+namespace {
+
+constexpr double kHiddenBy = 1;         // pixels of u
+constexpr double kNoiseFloor = 1.5;     // grey levels
+constexpr int kSampleStep = 3;          // pixels between those that the noise is measured on
+constexpr double kMedianOfNorm = 1.54;  // median length of a vector of three normal variables of deviation 1
+
+}  // namespace
+
+std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& other_map, double x, double y, double u) {
+  const Eigen::Matrix3d& m = pair.m;
+  const double qz = m(2, 0) * x + m(2, 1) * y + m(2, 2) + pair.e[2] * u;
+  if (!(qz > 1e-6)) return std::nullopt;
+  Seen seen;
+  seen.x = (m(0, 0) * x + m(0, 1) * y + m(0, 2) + pair.e[0] * u) / qz;
+  seen.y = (m(1, 0) * x + m(1, 1) * y + m(1, 2) + pair.e[1] * u) / qz;
+  if (!(seen.x >= 0 && seen.y >= 0 && seen.x <= other_map.width() - 1 && seen.y <= other_map.height() - 1))
+    return std::nullopt;
+  seen.u_in_other = pair.other_scale * u / qz;
+  const float there = other_map(static_cast<int>(seen.x + 0.5), static_cast<int>(seen.y + 0.5));
+  if (there > seen.u_in_other + kHiddenBy) return std::nullopt;
+  seen.dx = (pair.e[0] - seen.x * pair.e[2]) / qz;
+  seen.dy = (pair.e[1] - seen.y * pair.e[2]) / qz;
+  return seen;
+}
+
+double SquaredDistance(const Colour& a, const Colour& b) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) sum += static_cast<double>(a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+double MeasureNoise(const ColourGrid& own, const InverseDepthMap& map, const OtherView& other) {
+  std::vector<double> squares;
+  for (int y = 1; y < own.height(); y += kSampleStep) {
+    for (int x = 1; x < own.width(); x += kSampleStep) {
+      const auto seen = SeenIn(*other.pair, *other.map, x, y, map(x, y));
+      if (seen) squares.push_back(SquaredDistance(SampleAt(*other.colour, seen->x, seen->y), own(x, y)));
+    }
+  }
+  if (squares.empty()) return kNoiseFloor;
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::max(kNoiseFloor, std::sqrt(*middle) / kMedianOfNorm);
+}
+
+std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u) {
+  const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
+  if (!seen) return std::nullopt;
+  const double t =
+      SquaredDistance(SampleAt(*other.colour, seen->x, seen->y), own) / (kKappa * kKappa * other.sigma * other.sigma);
+  return t / (1 + t);
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,47 @@
+#ifndef DEPTHFARM_WORKER_REFINEMENT_OTHER_VIEW_H_
+#define DEPTHFARM_WORKER_REFINEMENT_OTHER_VIEW_H_
+
+#include <optional>
+
+#include "worker/refinement/picture_samples.h"
+#include "worker/refinement/view_geometry.h"
+
+namespace depthfarm {
+
+// A colour difference of kKappa standard deviations counts half (rho of Misfit): beyond, it tells of a silhouette.
+inline constexpr double kKappa = 3;
+
+// Where a pixel at u appears in another view.
+struct Seen {
+  double x = 0;
+  double y = 0;
+  double u_in_other = 0;
+  double dx = 0;  // dX / du, pixels per pixel of u
+  double dy = 0;
+};
+
+// What of another view a view is compared with. All must outlive it.
+struct OtherView {
+  const PairGeometry* pair = nullptr;
+  const ColourGrid* colour = nullptr;
+  const InverseDepthMap* map = nullptr;
+  double sigma = 1.5;  // of the colour differences, grey levels: MeasureNoise
+};
+
+// nullopt: outside the other view, behind it, or hidden there by a surface more than a pixel of u nearer in
+// `other_map`.
+[[nodiscard]] std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& other_map, double x, double y,
+                                         double u);
+
+// Squared distance of two colours over Y, Cb, Cr.
+[[nodiscard]] double SquaredDistance(const Colour& a, const Colour& b);
+
+// Robust standard deviation of the colour differences of a view against another, at least 1.5 grey levels.
+[[nodiscard]] double MeasureNoise(const ColourGrid& own, const InverseDepthMap& map, const OtherView& other);
+
+// rho of a pixel at u in one other view: 0 (fits) to 1; nullopt where it is not seen.
+[[nodiscard]] std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_REFINEMENT_OTHER_VIEW_H_

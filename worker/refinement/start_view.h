@@ -1,0 +1,27 @@
+#ifndef DEPTHFARM_WORKER_REFINEMENT_START_VIEW_H_
+#define DEPTHFARM_WORKER_REFINEMENT_START_VIEW_H_
+
+#include <span>
+
+#include "worker/refinement/plane_field.h"
+#include "worker/segmentation/segment_map.h"
+
+namespace depthfarm {
+
+// One frame that a P frame refers to (paper III-E), of the same view.
+struct RefinedReference {
+  const SegmentMap* segments = nullptr;
+  const RefinedView* refined = nullptr;  // after its last round
+};
+
+// Where refinement starts: each segment has the plane given for it, nothing is kept.
+[[nodiscard]] RefinedView StartView(const SegmentMap& segments, std::span<const SlantedPlane> plane_of_segment);
+
+// The unchanged segments of a P frame (FindUnchanged) take over the refined depth of their reference, pixel by pixel:
+// what stands still has the same depth in every frame of a GOP, to the bit.
+void KeepUnchanged(const SegmentMap& segments, const RefinedReference& previous, const RefinedReference& i_frame,
+                   int p_threshold, int i_threshold, RefinedView& view);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_REFINEMENT_START_VIEW_H_
