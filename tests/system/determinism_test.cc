@@ -67,6 +67,12 @@ INSTANTIATE_TEST_SUITE_P(All, DeterminismOfSplit,
                            return std::string(split.param.partition) + std::to_string(split.param.blocks);
                          });
 
+TEST_F(Determinism, LevelsAloneAreTheSameBytesTooAndOthersThanRefinedDepth) {
+  const auto levels = Run(1, {"--refine", "0"});
+  EXPECT_THAT(Differences(levels, Run(3, {"--refine", "0"})), IsEmpty());
+  EXPECT_THAT(Differences(levels, Run(2, {"--refine", "1"})), SizeIs(3 * 4 + 1));
+}
+
 TEST_F(Determinism, OneBlockIsOneBlockInEitherPartition) {
   auto blocks = Run(2, {"--level-blocks", "1", "--partition", "blocks"});
   auto interleaved = Run(2, {"--level-blocks", "1", "--partition", "interleaved"});

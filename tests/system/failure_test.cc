@@ -71,7 +71,11 @@ class Failure : public testing::Test {
   std::string sequence_;
 };
 
-TEST_F(Failure, AKilledWorkerLeavesDepthByteIdentical) {
+// Killed after so many tasks of about 200: while the first frames are analysed and cut, while they are refined.
+class KilledWorker : public Failure, public testing::WithParamInterface<int> {};
+INSTANTIATE_TEST_SUITE_P(After, KilledWorker, testing::Values(6, 40, 100), testing::PrintToStringParamName());
+
+TEST_P(KilledWorker, LeavesDepthByteIdentical) {
   const auto expected = Undisturbed();
   ASSERT_THAT(expected, SizeIs(3 * 8 + 1));
   Farm farm;
@@ -80,7 +84,7 @@ TEST_F(Failure, AKilledWorkerLeavesDepthByteIdentical) {
   const int victim = farm.AddWorker();
   const std::string output = folder_ / "disturbed";
   const std::uint64_t job_id = Submit(farm, output);
-  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, 6));
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, static_cast<std::uint64_t>(GetParam())));
   farm.worker(victim).Signal(SIGKILL);
   const v1::JobStatus last = WaitForTheEnd(farm, job_id);
   EXPECT_EQ(last.state(), v1::JOB_STATE_DONE) << last.error().message() << "\n" << farm.Logs();
