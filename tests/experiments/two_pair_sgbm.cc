@@ -1,0 +1,113 @@
+#include "tests/experiments/two_pair_sgbm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/experiments/rectified_pair.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr int kBlock = 5;
+constexpr double kAgreement = 0.02;  // of the inverse depth
+constexpr float kSameSurface = 0.5;  // pixels of disparity
+
+// 1/z; 0 = not known.
+using InverseDepths = Grid<float>;
+
+cv::Mat Warped(const YcbcrImage& picture, const Eigen::Matrix3d& homography, int width, int height) {
+  cv::Mat source(picture.height(), picture.width(), CV_8UC3);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      const Ycbcr& p = picture(x, y);
+      source.at<cv::Vec3b>(y, x) = {p.y, p.cb, p.cr};
+    }
+  }
+  cv::Matx33d h;
+  for (int row = 0; row < 3; ++row)
+    for (int col = 0; col < 3; ++col) h(row, col) = homography(row, col);
+  cv::Mat warped;
+  cv::warpPerspective(source, warped, h, cv::Size(width, height), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return warped;
+}
+
+// Disparity at a place between pixels: bilinear on one surface, else the nearest pixel's; < 1 = not known.
+float DisparityAt(const cv::Mat& disparity, double x, double y) {
+  if (!(x >= 0 && y >= 0 && x < disparity.cols - 1 && y < disparity.rows - 1)) return 0;
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const auto at = [&](int dx, int dy) {
+    return static_cast<float>(disparity.at<short>(y0 + dy, x0 + dx)) / float{cv::StereoMatcher::DISP_SCALE};
+  };
+  const auto [low, high] = std::minmax({at(0, 0), at(1, 0), at(0, 1), at(1, 1)});
+  const double fx = x - x0;
+  const double fy = y - y0;
+  if (low < 1 || high - low > kSameSurface) return at(fx >= 0.5 ? 1 : 0, fy >= 0.5 ? 1 : 0);
+  return static_cast<float>((1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) +
+                            fy * ((1 - fx) * at(0, 1) + fx * at(1, 1)));
+}
+
+Result<InverseDepths> OfPair(const StereoView& view, const StereoView& neighbour, const DepthRange& range) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const RectifiedPair pair, Rectify(view.camera, neighbour.camera, range));
+  const cv::Mat first = Warped(*view.picture, pair.first, pair.width, pair.height);
+  const cv::Mat second = Warped(*neighbour.picture, pair.second, pair.width, pair.height);
+  const auto sgbm = cv::StereoSGBM::create(1, pair.disparities, kBlock, 8 * 3 * kBlock * kBlock,
+                                           32 * 3 * kBlock * kBlock, 1, 0, 5, 100, 2, cv::StereoSGBM::MODE_HH);
+  cv::Mat disparity;
+  sgbm->compute(first, second, disparity);
+  InverseDepths result(view.camera.width, view.camera.height);
+  for (int y = 0; y < result.height(); ++y) {
+    for (int x = 0; x < result.width(); ++x) {
+      const Eigen::Vector3d pixel(x, y, 1);
+      const Eigen::Vector3d rectified = pair.first * pixel;
+      const float d = DisparityAt(disparity, rectified.x() / rectified.z(), rectified.y() / rectified.z());
+      const double inverse = (d - pair.offset) * pair.scale * pair.ray_z.dot(pixel);
+      if (d >= 1 && inverse > 0) result(x, y) = static_cast<float>(inverse);
+    }
+  }
+  return result;
+}
+
+float Merged(float a, float b) {
+  if (a <= 0 || b <= 0) return std::max(a, b);
+  return std::abs(a - b) <= kAgreement * std::max(a, b) ? 0.5F * (a + b) : std::min(a, b);
+}
+
+void FillRow(float* row, int width) {
+  std::vector<float> right(static_cast<std::size_t>(width));
+  float last = 0;
+  for (int x = width - 1; x >= 0; --x) {
+    if (row[x] > 0) last = row[x];
+    right[static_cast<std::size_t>(x)] = last;
+  }
+  last = 0;
+  for (int x = 0; x < width; ++x) {
+    if (row[x] > 0) {
+      last = row[x];
+    } else {
+      const float other = right[static_cast<std::size_t>(x)];
+      row[x] = last > 0 && other > 0 ? std::min(last, other) : std::max(last, other);
+    }
+  }
+}
+
+}  // namespace
+
+Result<DepthMap> EstimateBySgbm(const StereoView& view, const std::vector<StereoView>& neighbours,
+                                const DepthRange& range) {
+  InverseDepths merged(view.camera.width, view.camera.height);
+  for (const StereoView& neighbour : neighbours) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const InverseDepths pair, OfPair(view, neighbour, range));
+    for (std::size_t i = 0; i < merged.size(); ++i) merged.values()[i] = Merged(merged.values()[i], pair.values()[i]);
+  }
+  DepthMap depth(merged.width(), merged.height());
+  for (int y = 0; y < merged.height(); ++y) {
+    FillRow(merged.row(y), merged.width());
+    for (int x = 0; x < merged.width(); ++x) depth(x, y) = merged(x, y) > 0 ? 1 / merged(x, y) : 0;
+  }
+  return depth;
+}
+
+}  // namespace depthfarm
