@@ -63,10 +63,11 @@ void AddPixel(const OtherView& other, const Seen& seen, const Colour& own, doubl
 }
 
 std::vector<Fit> FitsAgainst(const OtherView& other, const ColourGrid& own, const RefinedView& refined,
-                             const InverseDepthMap& map, std::span<const PixelPosition> centers, bool blurred) {
+                             const InverseDepthMap& map, std::span<const PixelPosition> centers, bool blurred,
+                             const std::stop_token& stop) {
   std::vector<Fit> fits(centers.size());
   const double base = 1 / (other.sigma * other.sigma * (blurred ? kBlurArea : 1));
-  for (int y = 0; y < own.height(); ++y) {
+  for (int y = 0; y < own.height() && !stop.stop_requested(); ++y) {
     for (int x = 0; x < own.width(); ++x) {
       const PlaneIndex s = refined.plane_of_pixel(x, y);
       if (!refined.IsFree(s)) continue;
@@ -81,9 +82,9 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const ColourGrid& own, cons
 
 std::vector<NormalEquations> DataTerm(const ColourGrid& own, const RefinedView& refined, const InverseDepthMap& map,
                                       std::span<const PixelPosition> centers, std::span<const OtherView> others,
-                                      bool blurred) {
+                                      bool blurred, const std::stop_token& stop) {
   std::vector<std::vector<Fit>> fits;
-  for (const OtherView& other : others) fits.push_back(FitsAgainst(other, own, refined, map, centers, blurred));
+  for (const OtherView& other : others) fits.push_back(FitsAgainst(other, own, refined, map, centers, blurred, stop));
   std::vector<NormalEquations> result(centers.size());
   for (std::size_t s = 0; s < centers.size(); ++s) {
     double best = 1;
@@ -100,12 +101,12 @@ std::vector<NormalEquations> DataTerm(const ColourGrid& own, const RefinedView& 
   return result;
 }
 
-void AddAgreement(const InverseDepthMap& map, std::span<const PixelPosition> centers, std::span<const OtherView> others,
+void AddAgreement(const RefinedView& refined, std::span<const PixelPosition> centers, std::span<const OtherView> others,
                   std::vector<NormalEquations>& equations) {
   for (const OtherView& other : others) {
     const InverseDepthMap& there = *other.map;
     for (std::size_t s = 0; s < centers.size(); ++s) {
-      const double u = map(centers[s].x, centers[s].y);
+      const double u = refined.planes[s].At(centers[s].x, centers[s].y);
       const auto seen = SeenIn(*other.pair, there, centers[s].x, centers[s].y, u);
       if (!seen || !(seen->u_in_other > 0)) continue;
       const int x = std::min(static_cast<int>(seen->x), there.width() - 2);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "worker/refinement/other_view.h"
@@ -18,14 +19,16 @@ struct NormalEquations {
 
 // Gauss-Newton on the colour differences of all free pixels (RefinedView::IsFree) of each segment against each other
 // view; an other view that does not fit a segment (a silhouette) counts less there. `map` is refined.Map(), `centers`
-// has one per segment. `blurred`: the colours are smoothed, so neighbouring differences are not independent.
+// has one per segment. `blurred`: the colours are smoothed, so neighbouring differences are not independent. Ends early
+// with a part of the sum once `stop` is requested.
 [[nodiscard]] std::vector<NormalEquations> DataTerm(const ColourGrid& own, const RefinedView& refined,
                                                     const InverseDepthMap& map, std::span<const PixelPosition> centers,
-                                                    std::span<const OtherView> others, bool blurred);
+                                                    std::span<const OtherView> others, bool blurred,
+                                                    const std::stop_token& stop = {});
 
-// Draws each segment's centre to the depth that the other views have where it is seen, unless that is far off (more
-// than about half a pixel of u) or at a jump there.
-void AddAgreement(const InverseDepthMap& map, std::span<const PixelPosition> centers, std::span<const OtherView> others,
+// Draws each segment's plane, at its centre, to the depth that the other views have where it is seen, unless that is
+// far off (more than about half a pixel of u) or at a jump there.
+void AddAgreement(const RefinedView& refined, std::span<const PixelPosition> centers, std::span<const OtherView> others,
                   std::vector<NormalEquations>& equations);
 
 }  // namespace depthfarm

@@ -8,13 +8,14 @@
 namespace depthfarm {
 namespace {
 
-constexpr double kBehindInfinity = 1;  // pixels of u
+// Pixels of u. A plane so little behind infinity cannot be told from one at infinity: it has the farthest depth.
+constexpr double kBehindInfinity = 1;
 
 }  // namespace
 
 Grid<std::uint16_t> RefinedDepthCodes(const ResolvedJob& job, int view, const RefinedView& refined) {
   const auto v = static_cast<std::size_t>(view);
-  const double pixels = RefinementGeometry(job)[v].pixels_per_inverse_depth;
+  const double pixels = RefinementGeometry(job, view).pixels_per_inverse_depth;
   const DepthRange& range = job.views[v].own_range;
   constexpr double kSteps = 65534;
   const double far_inverse = 1.0 / range.z_far;

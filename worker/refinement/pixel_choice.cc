@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kJump = 0.5;       // pixels of u between neighbours: a depth jump
 constexpr double kHighestJump = 8;  // the bound is raised to find fewer, but not beyond
-constexpr double kMaxBand = 0.25;   // of the picture
+constexpr double kMaxBand = 0.25;   // of the picture, before the bound is raised
 constexpr int kBand = 4;            // pixels to either side of a jump
 constexpr int kReach = 5;           // candidates come from as far
 constexpr double kDistinct = 0.15;  // pixels of u between candidates
@@ -138,10 +138,10 @@ PlaneIndex BestPlane(const ColourGrid& own, const RefinedView& view, const Choic
 }  // namespace
 
 void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
-                  RefinedView& view) {
+                  RefinedView& view, const std::stop_token& stop) {
   const Grid<std::uint8_t> band = JumpBand(view.Map());
   std::vector<Choice> choices;
-  for (int y = 0; y < band.height(); ++y) {
+  for (int y = 0; y < band.height() && !stop.stop_requested(); ++y) {
     for (int x = 0; x < band.width(); ++x) {
       if (band(x, y) == 0 || view.kept[segments(x, y)] != 0) continue;
       Choice choice = CandidatesAt(view, x, y);

@@ -76,7 +76,7 @@ Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const View
   DEPTHFARM_RETURN_IF_ERROR(CheckView(job, view));
   const auto v = static_cast<std::size_t>(view);
   DEPTHFARM_RETURN_IF_ERROR(CheckPicture(job.views[v].camera, analysis));
-  const std::vector<SlantedPlane> of_level = PlanesOfLevels(job, view, RefinementGeometry(job)[v]);
+  const std::vector<SlantedPlane> of_level = PlanesOfLevels(job, view, RefinementGeometry(job, view));
   if (labels.levels.size() != analysis.segments.centers.size()) {
     return InvalidArgument("camera '" + job.views[v].camera.name + "' has " + std::to_string(labels.levels.size()) +
                            " labels for " + std::to_string(analysis.segments.centers.size()) + " segments");
@@ -97,9 +97,8 @@ Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const View
     DEPTHFARM_RETURN_IF_ERROR(CheckRefined(*reference->analysis, *reference->refined).WithContext("reference frame"));
   }
   const auto& [previous, i_frame] = *references;
-  KeepUnchanged(analysis.segments, {&previous.analysis->segments, previous.refined.get()},
-                {&i_frame.analysis->segments, i_frame.refined.get()}, job.params.p_threshold, job.params.i_threshold,
-                start);
+  KeepUnchanged(analysis, {previous.analysis.get(), previous.refined.get()},
+                {i_frame.analysis.get(), i_frame.refined.get()}, job.params.p_threshold, job.params.i_threshold, start);
   return start;
 }
 
@@ -115,8 +114,9 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const auto v = static_cast<std::size_t>(view);
   const auto& kept = before[v]->kept;
   if (std::find(kept.begin(), kept.end(), 0) == kept.end()) return *before[v];  // nothing may move
-  const ViewGeometry geometry = RefinementGeometry(job)[v];
-  const bool blur = round <= kBlurredRounds;
+  const ViewGeometry geometry = RefinementGeometry(job, view);
+  const bool agree = round > rounds - kAgreeingRounds;
+  const bool blur = round <= kBlurredRounds && !agree;  // edges are chosen on the pictures as they are
   const ColourGrid own = ColourOf(analysis[v]->picture, blur);
   const InverseDepthMap map = before[v]->Map();
 
@@ -137,14 +137,14 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
 
   RefinedView refined = *before[v];
   const SegmentMap& segments = analysis[v]->segments;
-  const bool agree = round > rounds - kAgreeingRounds;
-  std::vector<NormalEquations> data = DataTerm(own, refined, map, segments.centers, others, blur);
-  if (agree) AddAgreement(map, segments.centers, others, data);
+  std::vector<NormalEquations> data = DataTerm(own, refined, map, segments.centers, others, blur, stop);
+  if (agree) AddAgreement(*before[v], segments.centers, others, data);
   if (stop.stop_requested()) return Cancelled();
   const double progress = rounds > 1 ? static_cast<double>(round - 1) / (rounds - 1) : 1;
   SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined);
   if (stop.stop_requested()) return Cancelled();
-  if (agree) ChoosePlanes(own, segments.labels, others, refined);
+  if (agree) ChoosePlanes(own, segments.labels, others, refined, stop);
+  if (stop.stop_requested()) return Cancelled();
   return refined;
 }
 

@@ -33,8 +33,9 @@ struct RefinementReferences {
                                                   const ViewLabels& labels, const RefinementReferences* references);
 
 // Round `round` (1 .. params.refine_rounds) of a view: Gauss-Newton on the colour differences against the views it is
-// compared with (JobView::compared), one slanted plane per segment; in the last two rounds also agreement with the
-// depth of those views, and a choice of plane for each pixel at depth jumps. `analysis` and `before` (each view after
+// compared with (JobView::compared), one slanted plane per segment; the first round on smoothed pictures, the last two
+// on sharp ones and also with agreement with the depth of those views and a choice of plane for each pixel at depth
+// jumps. `analysis` and `before` (each view after
 // the round before) are read for the view and those it is compared with; the others may be null. So all views of a
 // round can be refined at once, in any order.
 // Errors: as StartRefinement; kCancelled.

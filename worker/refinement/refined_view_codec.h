@@ -13,7 +13,7 @@ namespace depthfarm {
 // checksum. Same view, same bytes.
 [[nodiscard]] std::string EncodeRefinedView(const RefinedView& view);
 
-// The view, to the bit. kCorrupt, with the reason, for anything EncodeRefinedView does not write (planes that are not
+// The view, to the bit. kCorrupt, with the reason, for anything that is not whole or no depth (planes that are not
 // finite, pixels without a plane); kIncompatible: another version. Bounded allocation on hostile input.
 [[nodiscard]] Result<RefinedView> DecodeRefinedView(std::string_view bytes);
 

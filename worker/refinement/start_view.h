@@ -4,13 +4,13 @@
 #include <span>
 
 #include "worker/refinement/plane_field.h"
-#include "worker/segmentation/segment_map.h"
+#include "worker/segmentation/analysis.h"
 
 namespace depthfarm {
 
 // One frame that a P frame refers to (paper III-E), of the same view.
 struct RefinedReference {
-  const SegmentMap* segments = nullptr;
+  const ViewAnalysis* analysis = nullptr;
   const RefinedView* refined = nullptr;  // after its last round
 };
 
@@ -18,8 +18,9 @@ struct RefinedReference {
 [[nodiscard]] RefinedView StartView(const SegmentMap& segments, std::span<const SlantedPlane> plane_of_segment);
 
 // The unchanged segments of a P frame (FindUnchanged) take over the refined depth of their reference, pixel by pixel:
-// what stands still has the same depth in every frame of a GOP, to the bit.
-void KeepUnchanged(const SegmentMap& segments, const RefinedReference& previous, const RefinedReference& i_frame,
+// what stands still has the same depth in every frame of a GOP, to the bit. Pixels where the reference has the depth of
+// something else, which moved away, have that under their segment's centre.
+void KeepUnchanged(const ViewAnalysis& analysis, const RefinedReference& previous, const RefinedReference& i_frame,
                    int p_threshold, int i_threshold, RefinedView& view);
 
 }  // namespace depthfarm

@@ -23,8 +23,8 @@ struct ViewGeometry {
   std::vector<PairGeometry> pairs;      // with the views of JobView::compared, in their order
 };
 
-// One per view of the job.
-[[nodiscard]] std::vector<ViewGeometry> RefinementGeometry(const ResolvedJob& job);
+// S is measured in the first of JobView::compared that shows any parallax, over the picture's centre and corners.
+[[nodiscard]] ViewGeometry RefinementGeometry(const ResolvedJob& job, int view);
 
 // The planes of all the job's levels in a view, by level.
 [[nodiscard]] std::vector<SlantedPlane> PlanesOfLevels(const ResolvedJob& job, int view, const ViewGeometry& geometry);

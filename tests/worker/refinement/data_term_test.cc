@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stop_token>
+
 #include "tests/worker/refinement/two_views.h"
 
 namespace depthfarm {
@@ -57,12 +59,33 @@ TEST(AddAgreement, DrawsToTheOtherViewsDepthUnlessItIsFarOff) {
   const std::vector<OtherView> others{views.Other()};
   const auto pull = [&](double u) {
     std::vector<NormalEquations> equations(1);
-    AddAgreement(FlatView(u).Map(), kCentre, others, equations);
+    AddAgreement(FlatView(u), kCentre, others, equations);
     return equations[0];
   };
   EXPECT_NEAR(Step(pull(5.2)), -0.2, 1e-6);
   EXPECT_GT(pull(5.2).h[5], 30);
   EXPECT_LT(pull(9).h[5], 1);
+}
+
+TEST(AddAgreement, IsOfTheSegmentsPlaneWhateverItsCentrePixelHas) {
+  const TwoViews views(5);
+  const std::vector<OtherView> others{views.Other()};
+  RefinedView view = FlatView(5.2);
+  view.planes.push_back({0, 0, 4.9F});
+  view.plane_of_pixel(kCentre[0].x, kCentre[0].y) = 1;  // chosen at a jump
+  std::vector<NormalEquations> equations(1);
+  AddAgreement(view, kCentre, others, equations);
+  EXPECT_NEAR(Step(equations[0]), -0.2, 1e-6);
+}
+
+TEST(DataTerm, EndsEarlyWhenAskedTo) {
+  const TwoViews views(5);
+  const std::vector<OtherView> others{views.Other()};
+  const RefinedView view = FlatView(5.3);
+  std::stop_source stop;
+  stop.request_stop();
+  const auto equations = DataTerm(views.own, view, view.Map(), kCentre, others, false, stop.get_token());
+  EXPECT_EQ(equations[0].h[5], 0);
 }
 
 }  // namespace

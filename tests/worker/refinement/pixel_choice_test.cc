@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <stop_token>
+
 #include "tests/worker/refinement/two_views.h"
 
 namespace depthfarm {
@@ -31,9 +33,9 @@ struct Edge {
     refined.plane_of_pixel = segments;
   }
 
-  void Choose() {
+  void Choose(const std::stop_token& stop = {}) {
     const std::vector<OtherView> others{views.Other()};
-    ChoosePlanes(views.own, segments, others, refined);
+    ChoosePlanes(views.own, segments, others, refined, stop);
   }
 };
 
@@ -53,6 +55,14 @@ TEST(ChoosePlanes, PixelsOfKeptSegmentsStay) {
   edge.Choose();
   for (int y = 0; y < TwoViews::kHeight; ++y)
     for (int x = 0; x < kEdge + 3; ++x) ASSERT_EQ(edge.refined.plane_of_pixel(x, y), before(x, y));
+}
+
+TEST(ChoosePlanes, EndsEarlyWhenAskedTo) {
+  Edge edge;
+  std::stop_source stop;
+  stop.request_stop();
+  edge.Choose(stop.get_token());
+  EXPECT_EQ(edge.refined.plane_of_pixel, edge.segments);
 }
 
 TEST(ChoosePlanes, LeavesASmoothSurfaceAlone) {

@@ -61,7 +61,7 @@ struct Scene {
 
   // Mean |u - exact u| of a view over pixels wrong by less than two pixels, so that the cut's own errors do not count.
   [[nodiscard]] double Error(const RefinedView& view, std::size_t v) const {
-    const double scale = RefinementGeometry(job)[v].pixels_per_inverse_depth;
+    const double scale = RefinementGeometry(job, static_cast<int>(v)).pixels_per_inverse_depth;
     double sum = 0;
     int count = 0;
     for (int y = 0; y < kHeight; ++y) {
@@ -154,11 +154,15 @@ TEST(RefineView, APFrameMovesOnlyWhatChanged) {
   FrameRefinement after = start;
   for (int round = 1; round <= scene.job.params.refine_rounds; ++round) after = scene.Round(analysis, after, round);
   int moved = 0;
+  int kept = 0;
+  int uncovered = 0;
   for (std::size_t v = 0; v < analysis.size(); ++v) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
         if (start[v]->kept[analysis[v]->segments.labels(x, y)] != 0) {
-          ASSERT_EQ(after[v]->At(x, y), i_frame[v]->At(x, y));
+          ASSERT_EQ(after[v]->At(x, y), start[v]->At(x, y));
+          uncovered += after[v]->At(x, y) != i_frame[v]->At(x, y) ? 1 : 0;
+          ++kept;
         } else {
           moved += after[v]->At(x, y) != start[v]->At(x, y) ? 1 : 0;
         }
@@ -166,6 +170,8 @@ TEST(RefineView, APFrameMovesOnlyWhatChanged) {
     }
   }
   EXPECT_GT(moved, 100);
+  EXPECT_GT(kept, 1000);
+  EXPECT_LT(uncovered, kept / 200);
 }
 
 TEST(RefineView, RefusesWhatDoesNotFit) {
@@ -203,7 +209,7 @@ TEST(RefineView, StopsWhenAsked) {
 
 TEST(RefinedDepthCodes, ClampToTheRangeAndLeaveOutWhatIsBehindInfinity) {
   const Scene scene;
-  const double pixels = RefinementGeometry(scene.job)[0].pixels_per_inverse_depth;
+  const double pixels = RefinementGeometry(scene.job, 0).pixels_per_inverse_depth;
   const DepthRange range = scene.job.views[0].own_range;
   const auto code = [&](double u) {
     const RefinedView view{

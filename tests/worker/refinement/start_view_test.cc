@@ -2,27 +2,35 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <vector>
+
 namespace depthfarm {
 namespace {
 
-// Columns of a 4 x 2 picture as segments, of the given grey means.
-SegmentMap Columns(const std::vector<int>& means) {
-  SegmentMap map;
+// Columns of a 4 x 2 picture as segments, of the given greys.
+ViewAnalysis Columns(const std::vector<int>& greys) {
+  ViewAnalysis analysis{.picture = YcbcrImage(4, 2), .segments = {}};
+  SegmentMap& map = analysis.segments;
   map.labels = Grid<SegmentIndex>(4, 2);
   for (int x = 0; x < 4; ++x) {
-    for (int y = 0; y < 2; ++y) map.labels(x, y) = static_cast<SegmentIndex>(x);
+    const int grey = greys[static_cast<std::size_t>(x)];
+    for (int y = 0; y < 2; ++y) {
+      map.labels(x, y) = static_cast<SegmentIndex>(x);
+      analysis.picture(x, y) = {static_cast<std::uint8_t>(grey), 128, 128};
+    }
     map.centers.push_back({x, 0});
-    map.means.push_back({means[static_cast<std::size_t>(x)] * kMeanColorScale, 0, 0});
+    map.means.push_back({grey * kMeanColorScale, 128 * kMeanColorScale, 128 * kMeanColorScale});
   }
-  return map;
+  return analysis;
 }
 
-RefinedView Start(const SegmentMap& segments, float u) {
-  return StartView(segments, std::vector<SlantedPlane>(4, SlantedPlane{0.5F, 0, u}));
+RefinedView Start(const ViewAnalysis& analysis, float u) {
+  return StartView(analysis.segments, std::vector<SlantedPlane>(4, SlantedPlane{0.5F, 0, u}));
 }
 
 TEST(KeepUnchanged, TakesOverTheDepthOfEachPixelNotOfTheSegment) {
-  const SegmentMap segments = Columns({10, 20, 30, 40});
+  const ViewAnalysis segments = Columns({10, 20, 30, 40});
   RefinedView before = Start(segments, 7);
   before.planes[1] = {0, 0, 3};
   before.plane_of_pixel(2, 1) = 1;  // chosen at a jump
@@ -36,8 +44,8 @@ TEST(KeepUnchanged, TakesOverTheDepthOfEachPixelNotOfTheSegment) {
 }
 
 TEST(KeepUnchanged, ChangedSegmentsStartFromTheirOwnPlane) {
-  const SegmentMap segments = Columns({10, 20, 30, 40});
-  const SegmentMap changed = Columns({10, 99, 30, 40});
+  const ViewAnalysis segments = Columns({10, 20, 30, 40});
+  const ViewAnalysis changed = Columns({10, 99, 30, 40});
   const RefinedView before = Start(segments, 7);
   RefinedView view = Start(changed, 1);
   KeepUnchanged(changed, {&segments, &before}, {&segments, &before}, 3, 1, view);
@@ -50,8 +58,8 @@ TEST(KeepUnchanged, ChangedSegmentsStartFromTheirOwnPlane) {
 }
 
 TEST(KeepUnchanged, PrefersTheIFrameThenThePreviousFrame) {  // III-E: T_I is the stricter
-  const SegmentMap i_segments = Columns({10, 20, 30, 40});
-  const SegmentMap segments = Columns({10, 22, 30, 60});
+  const ViewAnalysis i_segments = Columns({10, 20, 30, 40});
+  const ViewAnalysis segments = Columns({10, 22, 30, 60});
   const RefinedView of_i_frame = Start(i_segments, 7);
   const RefinedView of_previous = Start(segments, 9);
   RefinedView view = Start(segments, 1);
@@ -62,8 +70,40 @@ TEST(KeepUnchanged, PrefersTheIFrameThenThePreviousFrame) {  // III-E: T_I is th
   EXPECT_EQ(view.At(3, 1), 9 + 1.5);
 }
 
+// A segment over columns 0 to 2 whose columns 1 and 2 had the depth of something at u = 20.
+struct NearerBefore {
+  ViewAnalysis before;
+  ViewAnalysis now = Columns({10, 10, 10, 80});
+  RefinedView refined;
+  RefinedView view;
+
+  explicit NearerBefore(const std::vector<int>& greys) : before(Columns(greys)), refined(Start(before, 7)) {
+    refined.planes[1] = refined.planes[2] = {0, 0, 20};
+    for (int y = 0; y < 2; ++y)
+      for (const int x : {1, 2}) now.segments.labels(x, y) = 0;
+    view = Start(now, 1);
+    KeepUnchanged(now, {&before, &refined}, {&before, &refined}, 3, 1, view);
+  }
+};
+
+TEST(KeepUnchanged, PixelsThatAnObjectUncoveredHaveTheirSegmentsPlane) {
+  const NearerBefore scene({10, 80, 80, 40});
+  EXPECT_EQ(scene.view.kept[0], 1);
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 3; ++x) EXPECT_EQ(scene.view.At(x, y), 7 + 0.5 * x) << x << "," << y;
+}
+
+TEST(KeepUnchanged, ADepthEdgeInsideASegmentStaysWhereNothingMoved) {  // noise is no motion
+  const NearerBefore scene({10, 12, 8, 80});
+  for (int y = 0; y < 2; ++y) {
+    EXPECT_EQ(scene.view.At(0, y), 7);
+    EXPECT_EQ(scene.view.At(1, y), 20);
+    EXPECT_EQ(scene.view.At(2, y), 20);
+  }
+}
+
 TEST(KeepUnchanged, StaysTheSameOverManyFramesAndDoesNotGrow) {
-  const SegmentMap segments = Columns({10, 20, 30, 40});
+  const ViewAnalysis segments = Columns({10, 20, 30, 40});
   const RefinedView first = Start(segments, 7);
   RefinedView last = first;
   for (int frame = 0; frame < 20; ++frame) {
