@@ -239,47 +239,54 @@ Status TaskExecutor::Refine(const Task& task, TaskOutcome& outcome) {
   return Store(task, std::move(*refined), outcome);
 }
 
-Result<std::vector<Grid<std::uint16_t>>> TaskExecutor::CodesOfViews(const Task& task) {
+Status TaskExecutor::EmitRefined(const Task& task, TaskOutcome& outcome) {
   const ResolvedJob& job = task.job();
-  std::vector<Grid<std::uint16_t>> codes;
-  if (job.params.refine_rounds > 0) {
-    const FrameRefinement refined = task.inputs.ListedRefined(InputRole::kRefined);
-    for (int view = 0; view < job.num_views(); ++view) {
-      const auto v = static_cast<std::size_t>(view);
-      const Camera& camera = job.views[v].camera;
-      if (refined[v] == nullptr || refined[v]->plane_of_pixel.width() != camera.width ||
-          refined[v]->plane_of_pixel.height() != camera.height) {
-        return InvalidArgument("camera '" + camera.name + "' has no refined depth of its size");
-      }
-      codes.push_back(RefinedDepthCodes(job, view, *refined[v]));
+  const FrameRefinement refined = task.inputs.ListedRefined(InputRole::kRefined);
+  for (int view = 0; view < job.num_views(); ++view) {
+    const auto v = static_cast<std::size_t>(view);
+    const Camera& camera = job.views[v].camera;
+    if (refined[v] == nullptr || refined[v]->plane_of_pixel.width() != camera.width ||
+        refined[v]->plane_of_pixel.height() != camera.height) {
+      return InvalidArgument("camera '" + camera.name + "' has no refined depth of its size");
     }
-    return codes;
+    DEPTHFARM_RETURN_IF_ERROR(EmitView(task, v, RefinedDepthCodes(job, view, *refined[v]), outcome));
   }
+  return {};
+}
+
+Status TaskExecutor::EmitLabels(const Task& task, TaskOutcome& outcome) {
+  const ResolvedJob& job = task.job();
   DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
   DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 1));
   DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
   DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, *labels[0]));
-  for (std::size_t v = 0; v < analysis.size(); ++v)
-    codes.push_back(DepthCodes(job, static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]));
-  return codes;
+  for (std::size_t v = 0; v < analysis.size(); ++v) {
+    const Grid<std::uint16_t> codes =
+        DepthCodes(job, static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]);
+    DEPTHFARM_RETURN_IF_ERROR(EmitView(task, v, codes, outcome));
+  }
+  return {};
+}
+
+Status TaskExecutor::EmitView(const Task& task, std::size_t view, const Grid<std::uint16_t>& codes,
+                              TaskOutcome& outcome) {
+  if (task.stop.stop_requested()) return Cancelled();
+  const std::string& camera = task.job().views[view].camera.name;
+  Result<std::string> png = EncodeDepthPng(codes);
+  if (!png.ok()) return png.status().WithContext("camera '" + camera + "'");
+  const std::string in_depth = DepthFileName(camera, task.SequenceFrame());
+  OutputFile file{.path = in_depth.substr(in_depth.find('/') + 1), .sha256 = Sha256(*png), .bytes = png->size()};
+  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+  DEPTHFARM_RETURN_IF_ERROR(folder.Stage(task.spec.staging, file.path, *png));
+  outcome.files.push_back(std::move(file));
+  return {};
 }
 
 Status TaskExecutor::Emit(const Task& task, TaskOutcome& outcome) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+  DEPTHFARM_RETURN_IF_ERROR(OutputFolder::At(task.config.output_dir).status());  // before anything is loaded
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
-  const auto codes = CodesOfViews(task);
-  if (!codes.ok()) return codes.status().WithContext(task.FrameName());
-  for (std::size_t v = 0; v < codes->size(); ++v) {
-    if (task.stop.stop_requested()) return Cancelled();
-    const std::string& camera = task.job().views[v].camera.name;
-    Result<std::string> png = EncodeDepthPng((*codes)[v]);
-    if (!png.ok()) return png.status().WithContext("camera '" + camera + "', " + task.FrameName());
-    const std::string in_depth = DepthFileName(camera, task.SequenceFrame());
-    OutputFile file{.path = in_depth.substr(in_depth.find('/') + 1), .sha256 = Sha256(*png), .bytes = png->size()};
-    DEPTHFARM_RETURN_IF_ERROR(folder.Stage(task.spec.staging, file.path, *png));
-    outcome.files.push_back(std::move(file));
-  }
-  return {};
+  const Status status = task.job().params.refine_rounds > 0 ? EmitRefined(task, outcome) : EmitLabels(task, outcome);
+  return status.WithContext(task.FrameName());
 }
 
 Status TaskExecutor::Commit(const Task& task) {

@@ -50,8 +50,10 @@ class TaskExecutor {
   [[nodiscard]] Status Emit(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Commit(const Task& task);
   [[nodiscard]] Status Manifest(const Task& task);
-  // The depth codes of all views, from refined views or labels as the job asks.
-  [[nodiscard]] static Result<std::vector<Grid<std::uint16_t>>> CodesOfViews(const Task& task);
+  [[nodiscard]] static Status EmitRefined(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] static Status EmitLabels(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] static Status EmitView(const Task& task, std::size_t view, const Grid<std::uint16_t>& codes,
+                                       TaskOutcome& outcome);
   // Whether the artifact (T: LabelField, RefinedView) that the task is to make is here already.
   template <typename T>
   [[nodiscard]] bool Reuse(const Task& task, TaskOutcome& outcome);
