@@ -18,7 +18,6 @@ constexpr double kLevelPixelsWidest = 0.5;
 constexpr long long kSmallProblem =
     2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
-constexpr int kMostCompared = 4;  // for refinement: two left, two right on an arc
 
 Result<std::vector<const SequenceCamera*>> SelectViews(const Sequence& sequence, const EstimationParams& params) {
   std::vector<const SequenceCamera*> selected;
@@ -98,6 +97,15 @@ void ResolveBlocks(ResolvedJob& job) {
   job.params.level_blocks = job.level_blocks_i;
 }
 
+// Refinement samples pictures between pixels, by columns and rows.
+Status CheckRefinable(const Camera& camera, const EstimationParams& params) {
+  if (params.refine_rounds == 0 || (camera.width >= 2 && camera.height >= 2)) return {};
+  std::string message = "camera '" + camera.name + "' is " + std::to_string(camera.width) + "x" +
+                        std::to_string(camera.height) + (params.downscale > 1 ? " after downscale" : "") +
+                        ": refinement needs pictures of at least 2x2 pixels: use --refine 0";
+  return InvalidArgument(message + (params.downscale > 1 ? " or a smaller --downscale" : ""));
+}
+
 Status ResolveFrames(const std::vector<const SequenceCamera*>& views, ResolvedJob& job) {
   int available = static_cast<int>(views.front()->images.size());
   for (const SequenceCamera* view : views) {
@@ -144,6 +152,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     job_view.source_height = view->camera.height;
     job_view.format = view->format;
     DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(job_view.camera));
+    DEPTHFARM_RETURN_IF_ERROR(CheckRefinable(job_view.camera, params));
     const int pixels = job_view.camera.width * job_view.camera.height;
     job_view.segments =
         std::min(params.segments > 0 ? params.segments : std::max(1, pixels / kPixelsPerSegment), pixels);

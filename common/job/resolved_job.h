@@ -12,6 +12,8 @@
 
 namespace depthfarm {
 
+inline constexpr int kMostCompared = 4;  // two left, two right on an arc
+
 // One view for which a job estimates depth.
 struct JobView {
   Camera camera;         // of the depth map: downscaled as the job asks
@@ -21,7 +23,7 @@ struct JobView {
   int segments = 0;             // requested; the seed grid comes as near as it can
   DepthRange own_range;         // zNear, zFar of its depth files, along its own axis
   std::vector<int> neighbours;  // indices into ResolvedJob::views, nearest first; D of eq. (1)
-  std::vector<int> compared;    // the at most four views that refinement compares it with, nearest first
+  std::vector<int> compared;    // the at most kMostCompared views that refinement compares it with, nearest first
 };
 
 // A job with nothing left open: every "auto" is a number, so that all tasks of the job, wherever they run, do the same.
@@ -50,7 +52,8 @@ struct ResolvedJob {
 //              widest baseline used;
 //   n          1 for small problems, else up to 8 (I frames; interleaving saves work even on one core) or 2 (P frames).
 // Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that
-// cannot see the levels or has no neighbour, no depth range, frames outside the sequence, more blocks than levels.
+// cannot see the levels, has no neighbour or is too small for refinement, no depth range, frames outside the sequence,
+// more blocks than levels.
 [[nodiscard]] Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams& params);
 
 }  // namespace depthfarm

@@ -17,17 +17,18 @@ constexpr int kMaxSide = 32768;
 Result<DepthRange> RangeFromProto(const std::string& field, const v1::DepthRange& proto) {
   DEPTHFARM_RETURN_IF_ERROR(CheckFinite(field, proto.z_near()));
   DEPTHFARM_RETURN_IF_ERROR(CheckFinite(field, proto.z_far()));
-  if (!(proto.z_near() > 0 && proto.z_near() <= proto.z_far())) {
+  if (!(proto.z_near() > 0 && proto.z_near() < proto.z_far())) {
     return InvalidArgument(field + " is " + std::to_string(proto.z_near()) + " to " + std::to_string(proto.z_far()) +
-                           ", expected 0 < near <= far");
+                           ", expected 0 < near < far");
   }
   return DepthRange{proto.z_near(), proto.z_far()};
 }
 
 using Indices = google::protobuf::RepeatedField<std::uint32_t>;
 
-Result<std::vector<int>> OtherViewsFromProto(const std::string& field, const Indices& proto, int view, int num_views) {
-  DEPTHFARM_RETURN_IF_ERROR(CheckCount(field, proto.size(), num_views - 1));
+Result<std::vector<int>> OtherViewsFromProto(const std::string& field, const Indices& proto, int view, int num_views,
+                                             int most) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount(field, proto.size(), most));
   if (proto.empty()) return InvalidArgument(field + " is empty, expected at least one view");
   std::vector<int> others;
   std::set<int> distinct = {view};
@@ -57,9 +58,10 @@ Result<JobView> ViewFromProto(const v1::JobView& proto, int index, int num_views
                              BoundedInt(name + "segments", proto.segments(), view.camera.width * view.camera.height));
   if (view.segments < 1) return InvalidArgument(name + "segments is 0, expected at least 1");
   DEPTHFARM_ASSIGN_OR_RETURN(view.own_range, RangeFromProto(name + "own range", proto.own_range()));
-  DEPTHFARM_ASSIGN_OR_RETURN(view.neighbours,
-                             OtherViewsFromProto(name + "neighbours", proto.neighbours(), index, num_views));
-  DEPTHFARM_ASSIGN_OR_RETURN(view.compared, OtherViewsFromProto(name + "compared", proto.compared(), index, num_views));
+  DEPTHFARM_ASSIGN_OR_RETURN(
+      view.neighbours, OtherViewsFromProto(name + "neighbours", proto.neighbours(), index, num_views, num_views - 1));
+  DEPTHFARM_ASSIGN_OR_RETURN(view.compared,
+                             OtherViewsFromProto(name + "compared", proto.compared(), index, num_views, kMostCompared));
   return view;
 }
 

@@ -13,6 +13,7 @@ namespace depthfarm {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 // The message of the refusal; empty, and a failure of the test, if there is none.
 std::string Refusal(const Sequence& sequence, const EstimationParams& params = {}) {
@@ -64,6 +65,20 @@ TEST(ResolveJobErrors, BrokenCameraOfAViewOrOfTheReference) {
   sequence.reference = "cam2";
   sequence.cameras[2].images.clear();
   EXPECT_THAT(Refusal(sequence), HasSubstr("camera 'cam2': focal lengths"));
+}
+
+TEST(ResolveJobErrors, PicturesTooSmallForRefinement) {
+  Sequence sequence = LineSequence({0, 0.1});
+  sequence.cameras[1].camera.height = 1;
+  EXPECT_THAT(Refusal(sequence), HasSubstr("camera 'cam1' is 320x1: refinement needs pictures of at least 2x2 pixels: "
+                                           "use --refine 0"));
+  sequence.cameras[1].camera.height = 2;
+  EstimationParams params;
+  params.downscale = 2;
+  EXPECT_THAT(Refusal(sequence, params), HasSubstr("160x1 after downscale"));
+  EXPECT_THAT(Refusal(sequence, params), HasSubstr("or a smaller --downscale"));
+  params.refine_rounds = 0;
+  EXPECT_THAT(ResolveJob(sequence, params).status().message(), Not(HasSubstr("refine")));
 }
 
 TEST(ResolveJobErrors, NoDepthRange) {

@@ -238,6 +238,15 @@ TEST(JobConfigWire, HostileValuesAreRefused) {
       {"neighbour is itself", [](v1::JobConfig& c) { c.mutable_views(0)->set_neighbours(0, 0); }},
       {"compared with itself", [](v1::JobConfig& c) { c.mutable_views(1)->set_compared(0, 1); }},
       {"compared with no view", [](v1::JobConfig& c) { c.mutable_views(1)->clear_compared(); }},
+      {"compared with five views",
+       [](v1::JobConfig& c) {
+         for (std::uint32_t i = 2; i < 6; ++i) {
+           v1::JobView view = c.views(1);
+           view.mutable_camera()->set_name("more" + std::to_string(i));
+           *c.add_views() = view;
+           c.mutable_views(0)->add_compared(i);
+         }
+       }},
       {"too many rounds", [](v1::JobConfig& c) { c.mutable_params()->set_refine_rounds(101); }},
       {"no neighbour", [](v1::JobConfig& c) { c.mutable_views(0)->clear_neighbours(); }},
       {"neighbour twice", [](v1::JobConfig& c) { c.mutable_views(0)->add_neighbours(1); }},
@@ -245,6 +254,7 @@ TEST(JobConfigWire, HostileValuesAreRefused) {
       {"more segments than pixels", [](v1::JobConfig& c) { c.mutable_views(0)->set_segments(320 * 240 + 1); }},
       {"source of another size", [](v1::JobConfig& c) { c.mutable_views(0)->set_source_width(642); }},
       {"own range NaN", [](v1::JobConfig& c) { c.mutable_views(0)->mutable_own_range()->set_z_far(kNaN); }},
+      {"own range of no extent", [](v1::JobConfig& c) { c.mutable_views(0)->mutable_own_range()->set_z_far(2.25); }},
       {"own range zero", [](v1::JobConfig& c) { c.mutable_views(0)->mutable_own_range()->set_z_near(0); }},
       {"relative output", [](v1::JobConfig& c) { c.set_output_dir("out"); }},
       {"NUL in output", [](v1::JobConfig& c) { c.set_output_dir(std::string("/a\0b", 4)); }},
