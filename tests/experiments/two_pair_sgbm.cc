@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdlib>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string>
 
 #include "tests/experiments/rectified_pair.h"
 
@@ -11,8 +14,9 @@ namespace depthfarm {
 namespace {
 
 constexpr int kBlock = 5;
-constexpr double kAgreement = 0.02;  // of the inverse depth
-constexpr float kSameSurface = 0.5;  // pixels of disparity
+constexpr int kMostDisparities = 2048;  // the matcher's memory grows with them
+constexpr double kAgreement = 0.02;     // of the inverse depth
+constexpr float kSameSurface = 0.5;     // pixels of disparity
 
 // 1/z; 0 = not known.
 using InverseDepths = Grid<float>;
@@ -35,9 +39,11 @@ cv::Mat Warped(const YcbcrImage& picture, const Eigen::Matrix3d& homography, int
 
 // Disparity at a place between pixels: bilinear on one surface, else the nearest pixel's; < 1 = not known.
 float DisparityAt(const cv::Mat& disparity, double x, double y) {
-  if (!(x >= 0 && y >= 0 && x < disparity.cols - 1 && y < disparity.rows - 1)) return 0;
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
+  // Where rows are parallel, the last one lies on the border but for rounding.
+  x = std::clamp(x, 0.0, disparity.cols - 1.0);
+  y = std::clamp(y, 0.0, disparity.rows - 1.0);
+  const int x0 = std::min(static_cast<int>(x), disparity.cols - 2);
+  const int y0 = std::min(static_cast<int>(y), disparity.rows - 2);
   const auto at = [&](int dx, int dy) {
     return static_cast<float>(disparity.at<short>(y0 + dy, x0 + dx)) / float{cv::StereoMatcher::DISP_SCALE};
   };
@@ -51,6 +57,11 @@ float DisparityAt(const cv::Mat& disparity, double x, double y) {
 
 Result<InverseDepths> OfPair(const StereoView& view, const StereoView& neighbour, const DepthRange& range) {
   DEPTHFARM_ASSIGN_OR_RETURN(const RectifiedPair pair, Rectify(view.camera, neighbour.camera, range));
+  if (pair.disparities > kMostDisparities) {
+    return InvalidArgument("cameras '" + view.camera.name + "' and '" + neighbour.camera.name + "' are " +
+                           std::to_string(pair.disparities) + " pixels of disparity apart, at most " +
+                           std::to_string(kMostDisparities) + " can be searched: use a larger --downscale");
+  }
   const cv::Mat first = Warped(*view.picture, pair.first, pair.width, pair.height);
   const cv::Mat second = Warped(*neighbour.picture, pair.second, pair.width, pair.height);
   const auto sgbm = cv::StereoSGBM::create(1, pair.disparities, kBlock, 8 * 3 * kBlock * kBlock,
@@ -93,19 +104,43 @@ void FillRow(float* row, int width) {
   }
 }
 
+// Rows in which no pixel is known have the depths of the nearest that is not empty, the upper one of two.
+void FillEmptyRows(InverseDepths& map) {
+  std::vector<int> known;
+  for (int y = 0; y < map.height(); ++y)
+    if (map(0, y) > 0) known.push_back(y);  // FillRow fills all of a row or nothing
+  if (known.empty()) return;
+  for (int y = 0; y < map.height(); ++y) {
+    if (map(0, y) > 0) continue;
+    const auto nearer = [y](int a, int b) { return std::abs(a - y) < std::abs(b - y); };
+    const int from = *std::min_element(known.begin(), known.end(), nearer);
+    std::copy_n(map.row(from), map.width(), map.row(y));
+  }
+}
+
 }  // namespace
 
 Result<DepthMap> EstimateBySgbm(const StereoView& view, const std::vector<StereoView>& neighbours,
                                 const DepthRange& range) {
   InverseDepths merged(view.camera.width, view.camera.height);
+  Status failed = InvalidArgument("camera '" + view.camera.name + "' has no neighbour");
+  bool any = false;
   for (const StereoView& neighbour : neighbours) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const InverseDepths pair, OfPair(view, neighbour, range));
-    for (std::size_t i = 0; i < merged.size(); ++i) merged.values()[i] = Merged(merged.values()[i], pair.values()[i]);
+    const Result<InverseDepths> pair = OfPair(view, neighbour, range);
+    if (!pair.ok()) {
+      failed = pair.status();
+      continue;  // the other neighbour may do
+    }
+    any = true;
+    for (std::size_t i = 0; i < merged.size(); ++i) merged.values()[i] = Merged(merged.values()[i], pair->values()[i]);
   }
+  if (!any) return failed;
+  for (int y = 0; y < merged.height(); ++y) FillRow(merged.row(y), merged.width());
+  FillEmptyRows(merged);
   DepthMap depth(merged.width(), merged.height());
-  for (int y = 0; y < merged.height(); ++y) {
-    FillRow(merged.row(y), merged.width());
-    for (int x = 0; x < merged.width(); ++x) depth(x, y) = merged(x, y) > 0 ? 1 / merged(x, y) : 0;
+  for (std::size_t i = 0; i < merged.size(); ++i) {
+    const float inverse = merged.values()[i];
+    depth.values()[i] = inverse > 0 ? 1 / inverse : 0;
   }
   return depth;
 }

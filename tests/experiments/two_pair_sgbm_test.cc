@@ -1,5 +1,6 @@
 #include "tests/experiments/two_pair_sgbm.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -40,6 +41,34 @@ TEST(Rectify, PointsLieInOneRowAtTheDisparityOfTheirDepth) {
       }
     }
   }
+}
+
+TEST(EstimateBySgbm, ParallelCamerasHaveDepthInEveryRow) {
+  const test::RenderedSequence rendered = test::Render(ArrayKind::kLine, 3, 160, 120, 1, 2, 0.5);
+  const ResolvedJob job = JobOf(rendered);
+  const auto stereo = [&](std::size_t v) { return StereoView{&rendered.pictures[0][v], job.views[v].camera}; };
+  const DepthMap depth = EstimateBySgbm(stereo(1), {stereo(0), stereo(2)}, job.views[1].own_range).value();
+  for (const float z : depth.values()) EXPECT_GT(z, 0);
+  int good = 0;
+  for (int x = 0; x < depth.width(); ++x) {
+    const double exact = rendered.depth[0][1](x, 119);
+    good += std::abs(depth(x, 119) - exact) < 0.1 * exact ? 1 : 0;
+  }
+  EXPECT_GT(good, 160 * 6 / 10);
+}
+
+TEST(EstimateBySgbm, LeavesOutANeighbourThatCannotBePaired) {
+  const test::RenderedSequence rendered = test::Render(ArrayKind::kArc, 3, 160, 120, 1, 2, 0.5);
+  const ResolvedJob job = JobOf(rendered);
+  const auto stereo = [&](std::size_t v) { return StereoView{&rendered.pictures[0][v], job.views[v].camera}; };
+  const DepthRange range = job.views[1].own_range;
+  const StereoView itself = stereo(1);
+  EXPECT_EQ(EstimateBySgbm(stereo(1), {itself, stereo(2)}, range).value(),
+            EstimateBySgbm(stereo(1), {stereo(2)}, range).value());
+  EXPECT_EQ(EstimateBySgbm(stereo(1), {itself}, range).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_FALSE(EstimateBySgbm(stereo(1), {}, range).ok());
+  EXPECT_THAT(EstimateBySgbm(stereo(1), {stereo(2)}, {range.z_near * 1e-4, range.z_far}).status().message(),
+              testing::HasSubstr("pixels of disparity apart"));
 }
 
 TEST(EstimateBySgbm, FindsTheDepthOfARenderedScene) {
