@@ -24,7 +24,8 @@ std::array<Eigen::Vector3d, 5> CornersAndCentre(const Camera& camera) {
 
 }  // namespace
 
-Result<RectifiedPair> Rectify(const Camera& first, const Camera& second, const DepthRange& range) {
+Result<RectifiedPair> Rectify(const Camera& first, const Camera& second, const DepthRange& range,
+                              int most_disparities) {
   const Eigen::Vector3d baseline = CenterInWorld(second) - CenterInWorld(first);
   const double length = baseline.norm();
   const Eigen::Vector3d axis =
@@ -61,7 +62,8 @@ Result<RectifiedPair> Rectify(const Camera& first, const Camera& second, const D
     far = std::min(far, focal * length / (range.z_far * ray.z()));
   }
   RectifiedPair pair;
-  pair.disparities = (static_cast<int>(std::ceil(near - far)) + 3 + 15) / 16 * 16;
+  const double needed = std::ceil(std::min(near - far, static_cast<double>(most_disparities)));
+  pair.disparities = std::min((static_cast<int>(needed) + 3 + 15) / 16 * 16, most_disparities / 16 * 16);
   // The matcher finds nothing in its first `disparities` columns: they are left empty.
   const double first_x = pair.disparities + 1 - box.min_x;
   const double row = -box.min_y;

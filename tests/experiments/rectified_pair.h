@@ -25,8 +25,11 @@ struct RectifiedPair {
   Eigen::RowVector3d ray_z;
 };
 
-// `range`: of the first camera's own z. kInvalidArgument: cameras in one place, or that look along their baseline.
-[[nodiscard]] Result<RectifiedPair> Rectify(const Camera& first, const Camera& second, const DepthRange& range);
+// `range`: of the first camera's own z; its nearest part is cut off where it needs more than `most_disparities` (OpenCV
+// holds 2047).
+// kInvalidArgument: cameras in one place, or that look along their baseline.
+[[nodiscard]] Result<RectifiedPair> Rectify(const Camera& first, const Camera& second, const DepthRange& range,
+                                            int most_disparities = 2032);
 
 }  // namespace depthfarm
 

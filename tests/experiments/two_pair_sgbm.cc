@@ -14,9 +14,9 @@ namespace depthfarm {
 namespace {
 
 constexpr int kBlock = 5;
-constexpr int kMostDisparities = 2048;  // the matcher's memory grows with them
-constexpr double kAgreement = 0.02;     // of the inverse depth
-constexpr float kSameSurface = 0.5;     // pixels of disparity
+constexpr int kMostDisparities = 512;  // the matcher's memory grows with them
+constexpr double kAgreement = 0.02;    // of the inverse depth
+constexpr float kSameSurface = 0.5;    // pixels of disparity
 
 // 1/z; 0 = not known.
 using InverseDepths = Grid<float>;
@@ -56,12 +56,7 @@ float DisparityAt(const cv::Mat& disparity, double x, double y) {
 }
 
 Result<InverseDepths> OfPair(const StereoView& view, const StereoView& neighbour, const DepthRange& range) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const RectifiedPair pair, Rectify(view.camera, neighbour.camera, range));
-  if (pair.disparities > kMostDisparities) {
-    return InvalidArgument("cameras '" + view.camera.name + "' and '" + neighbour.camera.name + "' are " +
-                           std::to_string(pair.disparities) + " pixels of disparity apart, at most " +
-                           std::to_string(kMostDisparities) + " can be searched: use a larger --downscale");
-  }
+  DEPTHFARM_ASSIGN_OR_RETURN(const RectifiedPair pair, Rectify(view.camera, neighbour.camera, range, kMostDisparities));
   const cv::Mat first = Warped(*view.picture, pair.first, pair.width, pair.height);
   const cv::Mat second = Warped(*neighbour.picture, pair.second, pair.width, pair.height);
   const auto sgbm = cv::StereoSGBM::create(1, pair.disparities, kBlock, 8 * 3 * kBlock * kBlock,

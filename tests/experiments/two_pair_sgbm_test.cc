@@ -1,6 +1,5 @@
 #include "tests/experiments/two_pair_sgbm.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -67,8 +66,20 @@ TEST(EstimateBySgbm, LeavesOutANeighbourThatCannotBePaired) {
             EstimateBySgbm(stereo(1), {stereo(2)}, range).value());
   EXPECT_EQ(EstimateBySgbm(stereo(1), {itself}, range).status().code(), ErrorCode::kInvalidArgument);
   EXPECT_FALSE(EstimateBySgbm(stereo(1), {}, range).ok());
-  EXPECT_THAT(EstimateBySgbm(stereo(1), {stereo(2)}, {range.z_near * 1e-4, range.z_far}).status().message(),
-              testing::HasSubstr("pixels of disparity apart"));
+}
+
+TEST(Rectify, CutsTheNearestPartOfAWideRangeOff) {
+  const test::RenderedSequence rendered = test::Render(ArrayKind::kArc, 3, 96, 72, 1, 5, 0);
+  const ResolvedJob job = JobOf(rendered);
+  const DepthRange range = job.views[1].own_range;
+  const auto pair = [&](double z_near, int most) {
+    return Rectify(job.views[1].camera, job.views[0].camera, {z_near, range.z_far}, most).value();
+  };
+  const RectifiedPair whole = pair(range.z_near, 512);
+  const RectifiedPair cut = pair(range.z_near * 1e-9, 512);
+  EXPECT_EQ(cut.disparities, 512);
+  EXPECT_LT(whole.disparities, 512);
+  EXPECT_EQ(cut.offset, whole.offset);
 }
 
 TEST(EstimateBySgbm, FindsTheDepthOfARenderedScene) {
