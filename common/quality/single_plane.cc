@@ -38,10 +38,10 @@ std::array<float, 3> ColourAt(const std::vector<PlaneSource>& sources, int x, in
   for (const PlaneSource& source : sources) {
     const Reprojection::Projected p = source.source_from_target.Project(x, y, inverse_depth);
     if (!(p.depth_per_source > 0)) continue;
-    const SampledColour colour = SampleBilinear(*source.picture, p.x, p.y);
+    const Colour colour = SampleBilinear(*source.picture, p.x, p.y);
     const bool in =
         p.x >= -0.5 && p.y >= -0.5 && p.x <= source.picture->width() - 0.5 && p.y <= source.picture->height() - 0.5;
-    for (std::size_t c = 0; c < 3; ++c) (in ? inside : outside)[c] += source.weight * colour.ycbcr[c];
+    for (std::size_t c = 0; c < 3; ++c) (in ? inside : outside)[c] += source.weight * colour[c];
     (in ? inside_weight : outside_weight) += source.weight;
   }
   std::array<float, 3> result = {0, 128, 128};

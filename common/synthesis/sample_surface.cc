@@ -1,7 +1,10 @@
 #include "common/synthesis/sample_surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 namespace depthfarm {
 namespace {
@@ -17,10 +20,8 @@ std::array<float, 4> CubicWeights(float t) {
           0.5F * t3 - 0.5F * t2};
 }
 
-void Add(const Ycbcr& pixel, float weight, std::array<float, 3>& sum) {
-  sum[0] += weight * static_cast<float>(pixel.y);
-  sum[1] += weight * static_cast<float>(pixel.cb);
-  sum[2] += weight * static_cast<float>(pixel.cr);
+void Add(const Colour& colour, float weight, Colour& sum) {
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * colour[i];
 }
 
 struct Position {
@@ -32,53 +33,47 @@ struct Position {
   float ty = 0;
 };
 
-Position Clamped(const YcbcrImage& picture, double x, double y) {
-  const double cx = std::clamp(x, 0.0, static_cast<double>(picture.width() - 1));
-  const double cy = std::clamp(y, 0.0, static_cast<double>(picture.height() - 1));
+Position Clamped(int width, int height, float x, float y) {
+  const float cx = std::min(std::max(x, 0.0F), static_cast<float>(width - 1));
+  const float cy = std::min(std::max(y, 0.0F), static_cast<float>(height - 1));
   Position p;
   p.x0 = static_cast<int>(cx);
   p.y0 = static_cast<int>(cy);
-  p.x1 = std::min(p.x0 + 1, picture.width() - 1);
-  p.y1 = std::min(p.y0 + 1, picture.height() - 1);
-  p.tx = static_cast<float>(cx - p.x0);
-  p.ty = static_cast<float>(cy - p.y0);
+  p.x1 = std::min(p.x0 + 1, width - 1);
+  p.y1 = std::min(p.y0 + 1, height - 1);
+  p.tx = cx - static_cast<float>(p.x0);
+  p.ty = cy - static_cast<float>(p.y0);
   return p;
 }
 
-std::array<float, 3> Cubic(const YcbcrImage& picture, const Position& p) {
+// A Colour in one register. GCC's and Clang's vector type: they do not find it by themselves in loops over four values.
+using ColourVector = float __attribute__((vector_size(16)));
+
+ColourVector Load(const Colour& colour) {
+  ColourVector vector;
+  std::memcpy(&vector, colour.data(), sizeof(vector));
+  return vector;
+}
+
+Colour Cubic(const ColourGrid& picture, const Position& p) {
   const std::array<float, 4> wx = CubicWeights(p.tx);
   const std::array<float, 4> wy = CubicWeights(p.ty);
-  std::array<float, 3> sum = {};
-  for (int j = 0; j < 4; ++j) {
-    const Ycbcr* row = picture.row(p.y0 - 1 + j) + (p.x0 - 1);
-    std::array<float, 3> line = {};
-    for (int i = 0; i < 4; ++i) Add(row[i], wx[static_cast<std::size_t>(i)], line);
-    for (std::size_t c = 0; c < 3; ++c) sum[c] += wy[static_cast<std::size_t>(j)] * line[c];
-  }
-  for (float& value : sum) value = std::clamp(value, 0.0F, 255.0F);
-  return sum;
+  const auto row = [&](int j) {
+    const Colour* pixels = picture.row(p.y0 + j) + (p.x0 - 1);
+    return wx[0] * Load(pixels[0]) + wx[1] * Load(pixels[1]) + wx[2] * Load(pixels[2]) + wx[3] * Load(pixels[3]);
+  };
+  ColourVector sum = wy[0] * row(-1) + wy[1] * row(0) + wy[2] * row(1) + wy[3] * row(2);
+  constexpr ColourVector kBlack = {0, 0, 0, 0};
+  constexpr ColourVector kWhite = {255, 255, 255, 255};
+  sum = sum < kBlack ? kBlack : sum;
+  sum = sum > kWhite ? kWhite : sum;
+  Colour colour;
+  std::memcpy(colour.data(), &sum, sizeof(sum));
+  return colour;
 }
 
-}  // namespace
-
-SampledColour SampleBilinear(const YcbcrImage& picture, double x, double y) {
-  const Position p = Clamped(picture, x, y);
-  SampledColour result;
-  Add(picture(p.x0, p.y0), (1 - p.tx) * (1 - p.ty), result.ycbcr);
-  Add(picture(p.x1, p.y0), p.tx * (1 - p.ty), result.ycbcr);
-  Add(picture(p.x0, p.y1), (1 - p.tx) * p.ty, result.ycbcr);
-  Add(picture(p.x1, p.y1), p.tx * p.ty, result.ycbcr);
-  return result;
-}
-
-SampledColour SampleSurface(const YcbcrImage& picture, const Surface& surface, double x, double y,
-                            double inverse_depth) {
-  const Position p = Clamped(picture, x, y);
-  SampledColour result;
-  if ((surface.flags(p.x0, p.y0) & Surface::kSmooth) != 0) {
-    result.ycbcr = Cubic(picture, p);
-    return result;
-  }
+// Near tears: bilinear over the pixels of the same surface.
+SampledColour BesideTears(const ColourGrid& picture, const Surface& surface, const Position& p, float inverse_depth) {
   struct Tap {
     int x, y;
     float weight;
@@ -87,7 +82,7 @@ SampledColour SampleSurface(const YcbcrImage& picture, const Surface& surface, d
                       {p.x1, p.y0, p.tx * (1 - p.ty)},
                       {p.x0, p.y1, (1 - p.tx) * p.ty},
                       {p.x1, p.y1, p.tx * p.ty}};
-  const float expected = static_cast<float>(inverse_depth);
+  SampledColour result;
   float weight_sum = 0;
   float best_distance = -1;
   float clean_weight = 0;
@@ -95,26 +90,41 @@ SampledColour SampleSurface(const YcbcrImage& picture, const Surface& surface, d
   for (const Tap& tap : taps) {
     const float own = surface.inverse_depth(tap.x, tap.y);
     if (own == 0) continue;
-    const float distance = std::abs(own - expected) * surface.parallax(tap.x, tap.y);
+    const float distance = std::abs(own - inverse_depth) * surface.parallax(tap.x, tap.y);
     if (best_distance < 0 || distance < best_distance) {
       best_distance = distance;
       best = &tap;
     }
     if (distance > kSameSurfacePx) continue;
     weight_sum += tap.weight;
-    Add(picture(tap.x, tap.y), tap.weight, result.ycbcr);
+    Add(picture(tap.x, tap.y), tap.weight, result.colour);
     if ((surface.flags(tap.x, tap.y) & Surface::kBehindEdge) == 0) clean_weight += tap.weight;
   }
   // A position that lies almost wholly on foreign pixels would amplify a tiny share: take the likest pixel instead.
   if (weight_sum < 0.05F) {
-    result.ycbcr = {};
-    Add(picture(best->x, best->y), 1, result.ycbcr);
-    result.clean = (surface.flags(best->x, best->y) & Surface::kBehindEdge) == 0;
-    return result;
+    return {picture(best->x, best->y), (surface.flags(best->x, best->y) & Surface::kBehindEdge) == 0};
   }
-  for (float& value : result.ycbcr) value /= weight_sum;
+  for (float& value : result.colour) value /= weight_sum;
   result.clean = clean_weight > 0.5F * weight_sum;
   return result;
+}
+
+}  // namespace
+
+Colour SampleBilinear(const YcbcrImage& picture, double x, double y) {
+  const Position p = Clamped(picture.width(), picture.height(), static_cast<float>(x), static_cast<float>(y));
+  Colour sum = {};
+  Add(ColourOf(picture(p.x0, p.y0)), (1 - p.tx) * (1 - p.ty), sum);
+  Add(ColourOf(picture(p.x1, p.y0)), p.tx * (1 - p.ty), sum);
+  Add(ColourOf(picture(p.x0, p.y1)), (1 - p.tx) * p.ty, sum);
+  Add(ColourOf(picture(p.x1, p.y1)), p.tx * p.ty, sum);
+  return sum;
+}
+
+SampledColour SampleSurface(const ColourGrid& picture, const Surface& surface, float x, float y, float inverse_depth) {
+  const Position p = Clamped(picture.width(), picture.height(), x, y);
+  if ((surface.flags(p.x0, p.y0) & Surface::kSmooth) != 0) return {Cubic(picture, p), true};
+  return BesideTears(picture, surface, p, inverse_depth);
 }
 
 }  // namespace depthfarm

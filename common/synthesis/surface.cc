@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "common/geometry/reprojection.h"
 
@@ -19,25 +20,35 @@ bool GoesOnStraight(float before, float from, float to, float after) {
          std::abs((after - to) - step) <= tolerance;
 }
 
+// One row; no branches, so that it can be vectorised.
+void ProjectRow(const float* depth, int width, int y, const Reprojection& target_from_source, Surface& surface) {
+  const Eigen::Matrix3d& m = target_from_source.m();
+  const Eigen::Vector3d& e = target_from_source.e();
+  const double row_x = m(0, 1) * y + m(0, 2);
+  const double row_y = m(1, 1) * y + m(1, 2);
+  const double row_z = m(2, 1) * y + m(2, 2);
+  Surface::Point* points = surface.points.row(y);
+  float* inverse_depth = surface.inverse_depth.row(y);
+  float* parallax = surface.parallax.row(y);
+  for (int x = 0; x < width; ++x) {
+    const double inverse = 1.0 / static_cast<double>(depth[x] > 0 ? depth[x] : 1.0F);
+    const double qz = m(2, 0) * x + row_z + e[2] * inverse;
+    const bool seen = depth[x] > 0 && qz > 0;
+    const double w = 1.0 / (seen ? qz : 1.0);
+    const double px = (m(0, 0) * x + row_x + e[0] * inverse) * w;
+    const double py = (m(1, 0) * x + row_y + e[1] * inverse) * w;
+    const double dx = (e[0] - px * e[2]) * w;  // d px / d(1/z)
+    const double dy = (e[1] - py * e[2]) * w;
+    points[x] = {seen ? static_cast<float>(px) : 0.0F, seen ? static_cast<float>(py) : 0.0F,
+                 seen ? static_cast<float>(inverse * w) : 0.0F};
+    inverse_depth[x] = seen ? static_cast<float>(inverse) : 0.0F;
+    parallax[x] = seen ? static_cast<float>(std::sqrt(dx * dx + dy * dy)) : 0.0F;
+  }
+}
+
 void ProjectPoints(const DepthMap& depth, const Camera& source, const Camera& target, Surface& surface) {
   const Reprojection target_from_source(source, target);
-  for (int y = 0; y < depth.height(); ++y) {
-    for (int x = 0; x < depth.width(); ++x) {
-      const float z = depth(x, y);
-      if (!(z > 0)) continue;
-      const double inverse = 1.0 / static_cast<double>(z);
-      const Reprojection::Projected p = target_from_source.Project(x, y, inverse);
-      if (!(p.depth_per_source > 0)) continue;
-      const double step = 0.01 * inverse;
-      const Reprojection::Projected moved = target_from_source.Project(x, y, inverse + step);
-      surface.inverse_depth(x, y) = static_cast<float>(inverse);
-      surface.points(x, y) = {static_cast<float>(p.x), static_cast<float>(p.y),
-                              static_cast<float>(inverse / p.depth_per_source)};
-      const double dx = moved.x - p.x;
-      const double dy = moved.y - p.y;
-      surface.parallax(x, y) = static_cast<float>(std::sqrt(dx * dx + dy * dy) / step);
-    }
-  }
+  for (int y = 0; y < depth.height(); ++y) ProjectRow(depth.row(y), depth.width(), y, target_from_source, surface);
 }
 
 // Marks the tears between each pixel and the next one in direction (dx, dy), and the far sides of the jumps.
@@ -46,21 +57,24 @@ void MarkTears(int dx, int dy, std::uint8_t bit, const SurfaceParams& params, Su
   const float max_step = static_cast<float>(params.max_step_px);
   const float max_straight = static_cast<float>(params.max_straight_step_px);
   const auto at = [&](int x, int y) { return inverse.Contains(x, y) ? inverse(x, y) : 0.0F; };
+  const std::ptrdiff_t to_next = dx + static_cast<std::ptrdiff_t>(dy) * inverse.width();
   for (int y = 0; y < inverse.height(); ++y) {
+    const float* here = inverse.row(y);
+    const float* parallax = surface.parallax.row(y);
+    std::uint8_t* flags = surface.flags.row(y);
+    const bool last_row = y + dy >= inverse.height();
     for (int x = 0; x < inverse.width(); ++x) {
-      const float here = inverse(x, y);
-      const float next = at(x + dx, y + dy);
-      bool torn = !(here > 0) || !(next > 0);
-      if (!torn) {
-        const float parallax = std::max(surface.parallax(x, y), surface.parallax(x + dx, y + dy));
-        const float step = std::abs(next - here) * parallax;
-        torn = step > max_step &&
-               (step > max_straight || !GoesOnStraight(at(x - dx, y - dy), here, next, at(x + 2 * dx, y + 2 * dy)));
-        if (torn) {
-          (next < here ? surface.flags(x + dx, y + dy) : surface.flags(x, y)) |= Surface::kBehindEdge;
-        }
+      if (last_row || x + dx >= inverse.width() || !(here[x] > 0) || !(here[x + to_next] > 0)) {
+        flags[x] |= bit;
+        continue;
       }
-      if (torn) surface.flags(x, y) |= bit;
+      const float next = here[x + to_next];
+      const float step = std::abs(next - here[x]) * std::max(parallax[x], parallax[x + to_next]);
+      if (step <= max_step) continue;
+      if (step <= max_straight && GoesOnStraight(at(x - dx, y - dy), here[x], next, at(x + 2 * dx, y + 2 * dy)))
+        continue;
+      flags[x] |= bit;
+      flags[next < here[x] ? x + to_next : x] |= Surface::kBehindEdge;
     }
   }
 }
@@ -88,43 +102,31 @@ void MarkSmooth(Surface& surface) {
   }
 }
 
-// Draws triangles into a buffer of 1/z', the largest winning.
+// Draws triangles and quads into a buffer of 1/z', the largest winning.
 class ZBuffer {
  public:
   ZBuffer(int width, int height) : inverse_depth_(width, height, 0.0F) {}
 
   // Vertices in the order of a source pixel, its right and its lower neighbour; seen from behind it isn't drawn.
   void Draw(const Surface::Point& a, const Surface::Point& b, const Surface::Point& c) {
-    const float min_y = std::min({a.y, b.y, c.y});
-    const float max_y = std::max({a.y, b.y, c.y});
-    const float min_x = std::min({a.x, b.x, c.x});
-    const float max_x = std::max({a.x, b.x, c.x});
-    const float width = static_cast<float>(inverse_depth_.width());
-    const float height = static_cast<float>(inverse_depth_.height());
-    if (!(max_x >= 0 && max_y >= 0 && min_x <= width - 1 && min_y <= height - 1)) return;
-    const int first_x = static_cast<int>(std::ceil(std::max(min_x - kSlack, 0.0F)));
-    const int last_x = static_cast<int>(std::min(max_x + kSlack, width - 1));
-    const int first_y = static_cast<int>(std::ceil(std::max(min_y - kSlack, 0.0F)));
-    const int last_y = static_cast<int>(std::min(max_y + kSlack, height - 1));
-    if (first_x > last_x || first_y > last_y) return;
-    const float ux = b.x - a.x, uy = b.y - a.y;
-    const float vx = c.x - a.x, vy = c.y - a.y;
-    const float area = ux * vy - uy * vx;
-    if (!(area > kMinArea)) return;
-    const float scale = 1.0F / area;
-    const float du = b.inverse_depth - a.inverse_depth;
-    const float dv = c.inverse_depth - a.inverse_depth;
-    for (int y = first_y; y <= last_y; ++y) {
-      float* row = inverse_depth_.row(y);
-      const float py = static_cast<float>(y) - a.y;
-      for (int x = first_x; x <= last_x; ++x) {
-        const float px = static_cast<float>(x) - a.x;
-        const float u = (px * vy - py * vx) * scale;
-        const float v = (ux * py - uy * px) * scale;
-        if (u < -kSlack || v < -kSlack || u + v > 1.0F + kSlack) continue;
-        row[x] = std::max(row[x], a.inverse_depth + u * du + v * dv);
-      }
-    }
+    const Triangle triangle(a, b, c);
+    if (!(triangle.area > kMinArea)) return;
+    ForEachPixel(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}),
+                 std::max({a.y, b.y, c.y}), [&](int x, int y, float& inverse_depth) {
+                   inverse_depth = std::max(inverse_depth, triangle.InverseDepth(x, y));
+                 });
+  }
+
+  // The two triangles a, b, c and d, c, b of a quad a b / c d: as Draw of each, in one go.
+  void DrawQuad(const Surface::Point& a, const Surface::Point& b, const Surface::Point& c, const Surface::Point& d) {
+    const Triangle upper(a, b, c);
+    ForEachPixel(std::min(std::min(a.x, b.x), std::min(c.x, d.x)), std::max(std::max(a.x, b.x), std::max(c.x, d.x)),
+                 std::min(std::min(a.y, b.y), std::min(c.y, d.y)), std::max(std::max(a.y, b.y), std::max(c.y, d.y)),
+                 [&](int x, int y, float& inverse_depth) {
+                   float here = upper.InverseDepth(x, y);
+                   if (here == 0) here = Triangle(d, c, b).InverseDepth(x, y);
+                   inverse_depth = std::max(inverse_depth, here);
+                 });
   }
 
   Grid<float> Take() && { return std::move(inverse_depth_); }
@@ -132,6 +134,56 @@ class ZBuffer {
  private:
   static constexpr float kSlack = 1e-3F;    // float rounding must not open cracks between triangles
   static constexpr float kMinArea = 1e-4F;  // pixels^2
+
+  struct Triangle {
+    Triangle(const Surface::Point& a, const Surface::Point& b, const Surface::Point& c)
+        : corner(a),
+          ux(b.x - a.x),
+          uy(b.y - a.y),
+          vx(c.x - a.x),
+          vy(c.y - a.y),
+          du(b.inverse_depth - a.inverse_depth),
+          dv(c.inverse_depth - a.inverse_depth),
+          area(ux * vy - uy * vx) {}
+
+    // 1/z' at a pixel; 0 outside, and anywhere in a triangle seen from behind or from the side.
+    [[nodiscard]] float InverseDepth(int x, int y) const {
+      const float px = static_cast<float>(x) - corner.x;
+      const float py = static_cast<float>(y) - corner.y;
+      const float u = px * vy - py * vx;  // times the area
+      const float v = ux * py - uy * px;
+      const float slack = kSlack * area;
+      if (!(area > kMinArea && u >= -slack && v >= -slack && u + v <= area + slack)) return 0;
+      return corner.inverse_depth + (u * du + v * dv) / area;
+    }
+
+    Surface::Point corner;
+    float ux, uy, vx, vy;
+    float du, dv;
+    float area;  // twice, pixels^2
+  };
+
+  // The pixels of a box (with the slack) that the buffer has.
+  template <typename Function>
+  void ForEachPixel(float min_x, float max_x, float min_y, float max_y, const Function& function) {
+    const float width = static_cast<float>(inverse_depth_.width());
+    const float height = static_cast<float>(inverse_depth_.height());
+    if (!(max_x >= 0 && max_y >= 0 && min_x <= width - 1 && min_y <= height - 1)) return;
+    const int first_x = CeilOfPositive(std::max(min_x - kSlack, 0.0F));
+    const int last_x = static_cast<int>(std::min(max_x + kSlack, width - 1));
+    const int first_y = CeilOfPositive(std::max(min_y - kSlack, 0.0F));
+    const int last_y = static_cast<int>(std::min(max_y + kSlack, height - 1));
+    for (int y = first_y; y <= last_y; ++y) {
+      float* row = inverse_depth_.row(y);
+      for (int x = first_x; x <= last_x; ++x) function(x, y, row[x]);
+    }
+  }
+
+  // std::ceil is a function call without SSE 4.1.
+  static int CeilOfPositive(float value) {
+    const int floor = static_cast<int>(value);
+    return floor + (static_cast<float>(floor) < value ? 1 : 0);
+  }
 
   Grid<float> inverse_depth_;
 };
@@ -180,9 +232,12 @@ void DrawQuad(const Surface& surface, int x, int y, ZBuffer& buffer) {
   const Surface::Point& b = surface.points(x + 1, y);
   const Surface::Point& c = surface.points(x, y + 1);
   const Surface::Point& d = surface.points(x + 1, y + 1);
+  if (top && left && right && bottom) {
+    buffer.DrawQuad(a, b, c, d);
+    return;
+  }
   if (top && left) buffer.Draw(a, b, c);
   if (right && bottom) buffer.Draw(d, c, b);
-  if (top && left && right && bottom) return;  // the two above cover the quad
   if (top && right) buffer.Draw(b, d, a);
   if (left && bottom) buffer.Draw(c, a, d);
 }

@@ -1,8 +1,8 @@
 #include "common/synthesis/synthesize_view.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstddef>
 #include <string>
 
 #include "common/geometry/reprojection.h"
@@ -15,9 +15,9 @@ namespace {
 // One source drawn into the target.
 struct Warped {
   Surface surface;
+  ColourGrid colours;
   Grid<float> inverse_depth;  // target size
   Reprojection source_from_target;
-  const YcbcrImage* picture = nullptr;
   float weight = 0;
 };
 
@@ -38,11 +38,65 @@ Status CheckSource(const SourceView& source) {
   return {};
 }
 
-// Blends what the sources show at one target pixel.
+// Where the surface points that a row of the target shows lie in one source.
+class RowInSource {
+ public:
+  explicit RowInSource(const Warped& source) : source_(source), pixels_(Width()) {}
+
+  struct Pixel {
+    float x = 0;  // of the source picture
+    float y = 0;
+    float own_inverse_depth = 0;  // 1/z along the source's axis; 0 = it shows nothing here
+    float inverse_depth = 0;      // 1/z' along the target's
+    float depth_ratio = 0;        // z / z'
+  };
+
+  void Locate(int y) {
+    const Eigen::Matrix3d& m = source_.source_from_target.m();
+    const Eigen::Vector3d& e = source_.source_from_target.e();
+    const double row_x = m(0, 1) * y + m(0, 2);
+    const double row_y = m(1, 1) * y + m(1, 2);
+    const double row_z = m(2, 1) * y + m(2, 2);
+    const float* inverse_depth = source_.inverse_depth.row(y);
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const auto x = static_cast<double>(i);
+      const auto inverse = static_cast<double>(inverse_depth[i]);
+      const double qz = m(2, 0) * x + row_z + e[2] * inverse;
+      const bool seen = inverse > 0 && qz > 0;
+      const double w = 1.0 / (seen ? qz : 1.0);
+      pixels_[i] = {static_cast<float>((m(0, 0) * x + row_x + e[0] * inverse) * w),
+                    static_cast<float>((m(1, 0) * x + row_y + e[1] * inverse) * w),
+                    seen ? static_cast<float>(inverse * w) : 0.0F, inverse_depth[i], static_cast<float>(qz)};
+    }
+  }
+
+  [[nodiscard]] const Warped& source() const { return source_; }
+  [[nodiscard]] const Pixel& At(int x) const { return pixels_[static_cast<std::size_t>(x)]; }
+
+  // Whether a pixel's surface lies within `tolerance` source pixels of a point on the same ray at `nearest` = 1/z'.
+  // From X = (q + e / z') / q_z the two points are |(e_x - X e_z, e_y - Y e_z)| (1/z' difference) / q_z(nearest) apart.
+  [[nodiscard]] bool Agrees(const Pixel& pixel, float nearest, float tolerance) const {
+    const Eigen::Vector3d& e = source_.source_from_target.e();
+    const auto ez = static_cast<float>(e[2]);
+    const float step = nearest - pixel.inverse_depth;
+    const float bound = tolerance * (pixel.depth_ratio + ez * step);
+    const float dx = (static_cast<float>(e[0]) - pixel.x * ez) * step;
+    const float dy = (static_cast<float>(e[1]) - pixel.y * ez) * step;
+    return bound > 0 && dx * dx + dy * dy <= bound * bound;
+  }
+
+ private:
+  [[nodiscard]] std::size_t Width() const { return static_cast<std::size_t>(source_.inverse_depth.width()); }
+
+  const Warped& source_;
+  std::vector<Pixel> pixels_;
+};
+
+// Blends what the sources show, one row of the target after the other.
 class Blender {
  public:
   Blender(const std::vector<Warped>& warped, const SynthesisParams& params)
-      : warped_(warped), agreement_px_(params.agreement_px) {}
+      : rows_(warped.begin(), warped.end()), tolerance_(static_cast<float>(params.agreement_px)) {}
 
   struct Pixel {
     Known known = Known::kHole;
@@ -50,21 +104,24 @@ class Blender {
     float z = 0;
   };
 
-  [[nodiscard]] Pixel Blend(int x, int y) const {
+  void GoTo(int y) {
+    for (RowInSource& row : rows_) row.Locate(y);
+  }
+
+  [[nodiscard]] Pixel Blend(int x) const {
     float nearest = 0;
-    for (const Warped& source : warped_) nearest = std::max(nearest, source.inverse_depth(x, y));
+    for (const RowInSource& row : rows_) nearest = std::max(nearest, row.At(x).inverse_depth);
     if (nearest == 0) return {};
     Sum clean;
     Sum doubtful;
-    for (const Warped& source : warped_) {
-      const float inverse = source.inverse_depth(x, y);
-      if (inverse == 0) continue;
-      const Reprojection::Projected p = source.source_from_target.Project(x, y, static_cast<double>(inverse));
-      if (!(p.depth_per_source > 0)) continue;
-      if (inverse < nearest && !Agrees(source, p, x, y, nearest)) continue;
-      const double own_inverse = static_cast<double>(inverse) / p.depth_per_source;
-      const SampledColour colour = SampleSurface(*source.picture, source.surface, p.x, p.y, own_inverse);
-      (colour.clean ? clean : doubtful).Add(colour, inverse, source.weight);
+    for (const RowInSource& row : rows_) {
+      const RowInSource::Pixel& there = row.At(x);
+      if (there.own_inverse_depth == 0) continue;
+      if (there.inverse_depth < nearest && !row.Agrees(there, nearest, tolerance_)) continue;
+      const Warped& source = row.source();
+      const SampledColour sample =
+          SampleSurface(source.colours, source.surface, there.x, there.y, there.own_inverse_depth);
+      (sample.clean ? clean : doubtful).Add(sample.colour, there.inverse_depth, source.weight);
     }
     if (clean.weight > 0) return clean.Mean(Known::kClean);
     if (doubtful.weight > 0) return doubtful.Mean(Known::kDoubtful);
@@ -73,32 +130,24 @@ class Blender {
 
  private:
   struct Sum {
-    std::array<float, 3> ycbcr = {};
+    Colour colour = {};
     float inverse_depth = 0;
     float weight = 0;
 
-    void Add(const SampledColour& colour, float inverse, float w) {
-      for (std::size_t c = 0; c < 3; ++c) ycbcr[c] += w * colour.ycbcr[c];
+    void Add(const Colour& sample, float inverse, float w) {
+      for (std::size_t c = 0; c < colour.size(); ++c) colour[c] += w * sample[c];
       inverse_depth += w * inverse;
       weight += w;
     }
     [[nodiscard]] Pixel Mean(Known known) const {
-      const auto rounded = [this](float value) { return static_cast<std::uint8_t>(value / weight + 0.5F); };
-      return {known, {rounded(ycbcr[0]), rounded(ycbcr[1]), rounded(ycbcr[2]), 0}, weight / inverse_depth};
+      const float scale = 1 / weight;
+      const auto rounded = [scale](float value) { return static_cast<std::uint8_t>(value * scale + 0.5F); };
+      return {known, {rounded(colour[0]), rounded(colour[1]), rounded(colour[2]), 0}, weight / inverse_depth};
     }
   };
 
-  // Whether the surface of `source`, seen there at `own`, is the nearest one up to the tolerance.
-  [[nodiscard]] bool Agrees(const Warped& source, const Reprojection::Projected& own, int x, int y,
-                            float nearest) const {
-    const Reprojection::Projected other = source.source_from_target.Project(x, y, static_cast<double>(nearest));
-    const double dx = other.x - own.x;
-    const double dy = other.y - own.y;
-    return other.depth_per_source > 0 && dx * dx + dy * dy <= agreement_px_ * agreement_px_;
-  }
-
-  const std::vector<Warped>& warped_;
-  double agreement_px_;
+  std::vector<RowInSource> rows_;
+  float tolerance_;
 };
 
 }  // namespace
@@ -138,8 +187,8 @@ Result<SynthesizedView> SynthesizeView(const std::vector<SourceView>& sources, c
   for (std::size_t i = 0; i < sources.size(); ++i) {
     Surface surface = ProjectSurface(*sources[i].depth, sources[i].camera, target, params.surface);
     Grid<float> inverse_depth = RenderInverseDepth(surface, target.width, target.height);
-    warped.push_back({std::move(surface), std::move(inverse_depth), Reprojection(target, sources[i].camera),
-                      sources[i].picture, static_cast<float>(weights[i])});
+    warped.push_back({std::move(surface), ColourOf(*sources[i].picture), std::move(inverse_depth),
+                      Reprojection(target, sources[i].camera), static_cast<float>(weights[i])});
   }
 
   SynthesizedView result;
@@ -147,10 +196,11 @@ Result<SynthesizedView> SynthesizeView(const std::vector<SourceView>& sources, c
   result.holes = Grid<std::uint8_t>(target.width, target.height);
   result.depth = DepthMap(target.width, target.height);
   Grid<Known> kinds(target.width, target.height, Known::kHole);
-  const Blender blender(warped, params);
+  Blender blender(warped, params);
   for (int y = 0; y < target.height; ++y) {
+    blender.GoTo(y);
     for (int x = 0; x < target.width; ++x) {
-      const Blender::Pixel pixel = blender.Blend(x, y);
+      const Blender::Pixel pixel = blender.Blend(x);
       kinds(x, y) = pixel.known;
       result.picture(x, y) = pixel.colour;
       result.depth(x, y) = pixel.z;

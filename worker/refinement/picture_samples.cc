@@ -1,11 +1,12 @@
 #include "worker/refinement/picture_samples.h"
 
 #include <algorithm>
+#include <array>
 
 namespace depthfarm {
 namespace {
 
-ColourGrid Blurred(const ColourGrid& in, int dx, int dy) {
+ColourGrid BlurredAlong(const ColourGrid& in, int dx, int dy) {
   constexpr std::array<float, 5> kTaps{1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F / 16, 1.0F / 16};
   ColourGrid out(in.width(), in.height());
   for (int y = 0; y < in.height(); ++y) {
@@ -23,13 +24,6 @@ ColourGrid Blurred(const ColourGrid& in, int dx, int dy) {
 
 }  // namespace
 
-ColourGrid ColourOf(const YcbcrImage& picture, bool blur) {
-  ColourGrid grid(picture.width(), picture.height());
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    const Ycbcr& p = picture.values()[i];
-    grid.values()[i] = {static_cast<float>(p.y), static_cast<float>(p.cb), static_cast<float>(p.cr), 0};
-  }
-  return blur ? Blurred(Blurred(grid, 1, 0), 0, 1) : grid;
-}
+ColourGrid Blurred(const ColourGrid& colours) { return BlurredAlong(BlurredAlong(colours, 1, 0), 0, 1); }
 
 }  // namespace depthfarm

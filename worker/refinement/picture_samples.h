@@ -1,17 +1,12 @@
 #ifndef DEPTHFARM_WORKER_REFINEMENT_PICTURE_SAMPLES_H_
 #define DEPTHFARM_WORKER_REFINEMENT_PICTURE_SAMPLES_H_
 
-#include <array>
-
-#include "common/image/picture.h"
+#include "common/image/colour_grid.h"
 
 namespace depthfarm {
 
-using Colour = std::array<float, 4>;  // Y, Cb, Cr, 0 in grey levels
-using ColourGrid = Grid<Colour>;
-
-// The picture in floating point, smoothed by a Gaussian of one pixel (1 4 6 4 1, borders repeated) if `blur`.
-[[nodiscard]] ColourGrid ColourOf(const YcbcrImage& picture, bool blur);
+// Smoothed by a Gaussian of one pixel (1 4 6 4 1, borders repeated).
+[[nodiscard]] ColourGrid Blurred(const ColourGrid& colours);
 
 // Bilinear; (x, y) must lie in [0, W - 1] x [0, H - 1].
 [[nodiscard]] inline Colour SampleAt(const ColourGrid& grid, double x, double y) {

@@ -117,14 +117,18 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const ViewGeometry geometry = RefinementGeometry(job, view);
   const bool agree = round > rounds - kAgreeingRounds;
   const bool blur = round <= kBlurredRounds && !agree;  // edges are chosen on the pictures as they are
-  const ColourGrid own = ColourOf(analysis[v]->picture, blur);
+  const auto colours_of = [&](const YcbcrImage& picture) {
+    ColourGrid colours = ColourOf(picture);
+    return blur ? Blurred(colours) : colours;
+  };
+  const ColourGrid own = colours_of(analysis[v]->picture);
   const InverseDepthMap map = before[v]->Map();
 
   std::vector<ColourGrid> colours;
   std::vector<InverseDepthMap> maps;
   for (const PairGeometry& pair : geometry.pairs) {
     const auto other = static_cast<std::size_t>(pair.other);
-    colours.push_back(ColourOf(analysis[other]->picture, blur));
+    colours.push_back(colours_of(analysis[other]->picture));
     maps.push_back(before[other]->Map());
   }
   std::vector<OtherView> others;
