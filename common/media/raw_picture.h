@@ -31,6 +31,9 @@ namespace depthfarm {
 // 1/4 across, 1/2, 1/2 down, edges repeated.
 [[nodiscard]] std::string EncodeRawYuv420(const RgbImage& picture, int bits);
 
+// The same of a picture in Y'CbCr, 8 bits, limited range (16-235): what players and encoders take YUV for.
+[[nodiscard]] std::string EncodeLimitedYuv420(const YcbcrImage& picture);
+
 // The Y samples alone, as stored, e.g. of depth maps kept as video.
 [[nodiscard]] Result<Grid<std::uint16_t>> DecodeRawLuma(std::string_view bytes, const PictureFormat& format, int width,
                                                         int height);

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/files/atomic_file.h"
+#include "common/sequence/camera_fields.h"
 #include "common/sequence/ground_truth_fields.h"
 #include "common/sequence/json_fields.h"
 
@@ -15,8 +16,6 @@ namespace {
 
 constexpr std::string_view kConvention =
     "x_cam = R*X_world + t, +z forward, +y down, pixels (0,0)=centre of top-left pixel";
-constexpr std::size_t kMaxNameLength = 200;  // file systems allow 255 bytes, endings included
-constexpr std::int64_t kMaxSide = 32768;
 
 Result<std::string> ResolvePath(const std::filesystem::path& folder, const std::string& path, const std::string& what,
                                 bool allow_outside) {
@@ -36,19 +35,6 @@ Result<std::string> ResolvePath(const std::filesystem::path& folder, const std::
     return bad("expected a path that stays in the folder of the sequence file (--allow-outside accepts others)");
   }
   return (folder / relative).lexically_normal().string();
-}
-
-Status CheckCameraName(const std::string& name, const std::string& where) {
-  const auto bad = [&](const std::string& why) {
-    return InvalidArgument(where + ": 'name' is " + Shortened(Json(name)) + ", " + why + " (it names files)");
-  };
-  if (name.empty()) return bad("expected at least one character");
-  if (name.size() > kMaxNameLength) return bad("expected at most " + std::to_string(kMaxNameLength) + " bytes");
-  if (name == "." || name.find("..") != std::string::npos || name.find('/') != std::string::npos) {
-    return bad("expected a name without '/' and '..'");
-  }
-  if (HasControlCharacter(name)) return bad("expected a name without control characters");
-  return {};
 }
 
 Result<bool> ReadChoice(const JsonFields& fields, std::string_view key, std::string_view no, std::string_view yes) {
@@ -187,27 +173,13 @@ class SequenceReader {
     return {};
   }
 
-  // Cameras are named by position until their name is known to be a text.
-  static std::string CameraWhere(const Json& value, const std::string& position) {
-    if (!value.is_object() || !value.contains("name") || !value.at("name").is_string()) return position;
-    return position + " (camera " + Shortened(value.at("name")) + ")";
-  }
-
   Status ReadCalibration(const JsonFields& fields, const std::string& position, SequenceCamera* result) {
-    Camera& camera = result->camera;
-    DEPTHFARM_ASSIGN_OR_RETURN(camera.name, fields.String("name"));
-    DEPTHFARM_RETURN_IF_ERROR(CheckCameraName(camera.name, position));
-    if (!names_.insert(camera.name).second) {
-      return InvalidArgument(position + ": 'name' is '" + camera.name + "', which an earlier camera has already");
+    DEPTHFARM_ASSIGN_OR_RETURN(result->camera, ReadCameraFields(fields, position));
+    if (!names_.insert(result->camera.name).second) {
+      return InvalidArgument(position + ": 'name' is '" + result->camera.name +
+                             "', which an earlier camera has already");
     }
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t width, fields.Integer("width", 1, kMaxSide));
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t height, fields.Integer("height", 1, kMaxSide));
-    camera.width = static_cast<int>(width);
-    camera.height = static_cast<int>(height);
-    DEPTHFARM_ASSIGN_OR_RETURN(camera.intrinsics, fields.Matrix3("K"));
-    DEPTHFARM_ASSIGN_OR_RETURN(camera.cam_from_world_rotation, fields.Matrix3("R"));
-    DEPTHFARM_ASSIGN_OR_RETURN(camera.cam_from_world_translation, fields.Vector3("t"));
-    return ValidateCamera(camera).WithContext(where_);
+    return ValidateCamera(result->camera).WithContext(where_);
   }
 
   Result<std::vector<std::string>> Paths(const JsonFields& fields, std::string_view key) const {

@@ -17,8 +17,8 @@
 #include "common/scene/zone.h"
 #include "common/sequence/frame_name.h"
 #include "common/synthesis/synthesize_view.h"
-#include "worker/media_cli/evaluate_input.h"
 #include "worker/media_cli/evaluate_report.h"
+#include "worker/media_cli/sequence_with_depth.h"
 #include "worker/media_cli/text_table.h"
 
 namespace depthfarm {
@@ -28,17 +28,17 @@ namespace {
 constexpr int kPanelReachPx = 24;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// A view to synthesise; indices into EvaluateInput::views.
+// A view to synthesise; indices into SequenceWithDepth::views.
 struct Target {
   int view = 0;
   std::vector<int> from;
 };
 
-const Camera& CameraOf(const EvaluateInput& input, int view) {
+const Camera& CameraOf(const SequenceWithDepth& input, int view) {
   return input.views[static_cast<std::size_t>(view)].camera;
 }
 
-Status RestrictFrames(const EvaluateCommandOptions& options, EvaluateInput& input) {
+Status RestrictFrames(const EvaluateCommandOptions& options, SequenceWithDepth& input) {
   const std::string have = std::to_string(input.first_frame) + ":" + std::to_string(input.end_frame);
   const int end = options.end_frame < 0 ? input.end_frame : options.end_frame;
   // 0 is the default: "from the first frame that has depth" for a run over later frames.
@@ -52,7 +52,7 @@ Status RestrictFrames(const EvaluateCommandOptions& options, EvaluateInput& inpu
   return {};
 }
 
-Result<std::vector<Target>> ChooseTargets(const EvaluateCommandOptions& options, const EvaluateInput& input,
+Result<std::vector<Target>> ChooseTargets(const EvaluateCommandOptions& options, const SequenceWithDepth& input,
                                           std::vector<std::string>& notes) {
   if (options.view.empty() && !options.from.empty()) {
     return InvalidArgument("--from needs --view: which camera is to be synthesised from them?");
@@ -91,8 +91,8 @@ Result<std::vector<Target>> ChooseTargets(const EvaluateCommandOptions& options,
 }
 
 // The sources of a target in one frame, with estimated or exact depth. Empty if the exact depth of one isn't known.
-Result<std::vector<SourceView>> Sources(const EvaluateInput& input, const Target& target, bool exact,
-                                        EvaluateFrame& frame) {
+Result<std::vector<SourceView>> Sources(const SequenceWithDepth& input, const Target& target, bool exact,
+                                        FrameWithDepth& frame) {
   std::vector<SourceView> sources;
   for (const int view : target.from) {
     SourceView source;
@@ -157,7 +157,7 @@ class PictureWriter {
   std::string folder_;
 };
 
-Status WriteDepthPicture(const EvaluateInput& input, int view, EvaluateFrame& frame, const PictureWriter& writer) {
+Status WriteDepthPicture(const SequenceWithDepth& input, int view, FrameWithDepth& frame, const PictureWriter& writer) {
   const DepthManifestCamera& camera = *input.views[static_cast<std::size_t>(view)].depth;
   DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap* depth, frame.Depth(view));
   DEPTHFARM_ASSIGN_OR_RETURN(const DepthCode code, DepthCode::Create(camera.z_near, camera.z_far));
@@ -165,7 +165,7 @@ Status WriteDepthPicture(const EvaluateInput& input, int view, EvaluateFrame& fr
   return writer.Write(camera.camera.name, frame.frame(), "depth", colours);
 }
 
-Status MeasureTarget(const EvaluateInput& input, const Target& target, EvaluateFrame& frame,
+Status MeasureTarget(const SequenceWithDepth& input, const Target& target, FrameWithDepth& frame,
                      const PictureWriter& writer, TargetReport& report) {
   const Camera& camera = CameraOf(input, target.view);
   DEPTHFARM_ASSIGN_OR_RETURN(const YcbcrImage* real, frame.Picture(target.view));
@@ -200,7 +200,7 @@ Status MeasureTarget(const EvaluateInput& input, const Target& target, EvaluateF
 }
 
 // Agreement of two views, both directions. With exact depth of both, that says which pixels are occluded.
-Status MeasureSourceAgreement(const EvaluateInput& input, const Target& target, EvaluateFrame& frame,
+Status MeasureSourceAgreement(const SequenceWithDepth& input, const Target& target, FrameWithDepth& frame,
                               AgreementFigures& sum, bool& by_exact_depth) {
   for (const auto& [from, to] : {std::pair{target.from[0], target.from[1]}, {target.from[1], target.from[0]}}) {
     ViewDepth view{nullptr, CameraOf(input, from)};
@@ -223,8 +223,8 @@ Status MeasureSourceAgreement(const EvaluateInput& input, const Target& target, 
 
 // Pixels of a view that others see: by the exact depth of its two nearest views, else by the sequence's mask; empty if
 // neither is known.
-Result<PixelMask> NonOccluded(const EvaluateInput& input, int view, const std::vector<std::vector<int>>& neighbours,
-                              const GroundTruthFrame& truth, EvaluateFrame& frame) {
+Result<PixelMask> NonOccluded(const SequenceWithDepth& input, int view, const std::vector<std::vector<int>>& neighbours,
+                              const GroundTruthFrame& truth, FrameWithDepth& frame) {
   std::vector<ViewDepth> others;
   for (const int other : neighbours[static_cast<std::size_t>(view)]) {
     DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* other_truth, frame.Truth(other));
@@ -234,9 +234,9 @@ Result<PixelMask> NonOccluded(const EvaluateInput& input, int view, const std::v
   return VisibleInAny({&truth.depth, CameraOf(input, view)}, others, *input.levels);
 }
 
-Status MeasureDepths(const EvaluateInput& input, EvaluateFrame& frame, std::vector<ViewDepthReport>& reports) {
+Status MeasureDepths(const SequenceWithDepth& input, FrameWithDepth& frame, std::vector<ViewDepthReport>& reports) {
   std::vector<Camera> cameras;
-  for (const EvaluateInput::View& view : input.views) cameras.push_back(view.camera);
+  for (const SequenceWithDepth::View& view : input.views) cameras.push_back(view.camera);
   const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, *input.levels, 2);
   for (std::size_t i = 0; i < input.views.size(); ++i) {
     const int view = static_cast<int>(i);
@@ -269,7 +269,7 @@ Status MeasureDepths(const EvaluateInput& input, EvaluateFrame& frame, std::vect
   return {};
 }
 
-double LargestLevelPx(const EvaluateInput& input) {
+double LargestLevelPx(const SequenceWithDepth& input) {
   double largest = 0;
   for (std::size_t i = 0; i < input.views.size(); ++i) {
     if (input.nearest[i] < 0 || input.views[i].depth == nullptr) continue;
@@ -282,8 +282,8 @@ double LargestLevelPx(const EvaluateInput& input) {
 }  // namespace
 
 Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
-  EvaluateInput input;
-  DEPTHFARM_RETURN_IF_ERROR(ReadEvaluateInput(options.sequence, options.depth_dir, input));
+  SequenceWithDepth input;
+  DEPTHFARM_RETURN_IF_ERROR(ReadSequenceWithDepth(options.sequence, options.depth_dir, input));
   DEPTHFARM_RETURN_IF_ERROR(RestrictFrames(options, input));
   EvaluateReport report;
   report.sequence = input.sequence.name;
@@ -305,7 +305,7 @@ Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
 
   const PictureWriter writer(options.pictures_dir);
   for (int f = input.first_frame; f < input.end_frame; ++f) {
-    EvaluateFrame frame(input, f);
+    FrameWithDepth frame(input, f);
     for (std::size_t i = 0; i < targets.size(); ++i) {
       TargetReport& entry = report.targets[i];
       DEPTHFARM_RETURN_IF_ERROR(MeasureTarget(input, targets[i], frame, writer, entry));

@@ -2,6 +2,7 @@
 // library; the only translation unit that sees CLI11.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <exception>
@@ -16,6 +17,7 @@
 #include "worker/media_cli/colour_command.h"
 #include "worker/media_cli/evaluate_command.h"
 #include "worker/media_cli/scene_command.h"
+#include "worker/media_cli/synthesize_command.h"
 
 namespace {
 
@@ -110,6 +112,77 @@ void AddEvaluate(CLI::App* command, Action* action) {
   command->callback([options, action] { *action = [options] { return depthfarm::RunEvaluate(*options, std::cout); }; });
 }
 
+// "A:B" with either left out (-1). False when it is not.
+bool ParseFrames(const std::string& text, int* first, int* end) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos || text.size() == 1) return false;
+  const std::string a = colon == 0 ? "-1" : text.substr(0, colon);
+  const std::string b = colon + 1 == text.size() ? "-1" : text.substr(colon + 1);
+  const bool parsed = ParsePair(a + ":" + b, ':', first, end);
+  return parsed && (colon == 0 || *first >= 0) && (colon + 1 == text.size() || *end > std::max(*first, 0));
+}
+
+void AddSynthesize(CLI::App* command, Action* action) {
+  auto options = std::make_shared<depthfarm::SynthesizeCommandOptions>();
+  command->add_option("sequence", options->sequence, "Sequence file the depth was estimated from")
+      ->required()
+      ->type_name("SEQUENCE");
+  command->add_option("depth", options->depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
+  command
+      ->add_option("-o,--output", options->output,
+                   "Folder for PNG pictures 0000.png, ...; or FILE.yuv: planar 4:2:0, 8 bits, BT.601, 16-235")
+      ->required()
+      ->type_name("OUT");
+  command->add_option("--view", options->view, "A camera of the sequence, made from others, in every frame")
+      ->type_name("CAMERA");
+  command
+      ->add_option("--camera", options->camera_file,
+                   "Virtual camera: JSON with name, width, height, K, R, t; several under \"cameras\" are a path")
+      ->type_name("FILE");
+  command
+      ->add_option("--path", options->path, "Move from camera to camera; picture i shows frame i, the last frame stays")
+      ->delimiter(',')
+      ->type_name("A,B,...");
+  command->add_option("--steps", options->steps, "Pictures of the path (default: one per frame, 60 of a single frame)")
+      ->type_name("N");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--from",
+          [options](const std::vector<std::string>& names) {
+            if (names != std::vector<std::string>{"auto"}) options->from = names;
+          },
+          "Cameras to synthesise from; auto: chosen for each picture, on both sides of it")
+      ->delimiter(',')
+      ->default_str("auto")
+      ->type_name("auto|A,B,...");
+  command->add_option("--sources", options->sources, "How many cameras auto chooses, 1 to 8")
+      ->capture_default_str()
+      ->type_name("N");
+  command
+      ->add_option_function<std::string>(
+          "--frames",
+          [options](const std::string& text) {
+            if (!ParseFrames(text, &options->first_frame, &options->end_frame)) {
+              throw CLI::ValidationError("--frames", "is " + text + ", expected A:B with A < B, e.g. 0:50");
+            }
+          },
+          "Frames A to B - 1 of the sequence; either may be left out (default: all that have depth)")
+      ->type_name("A:B");
+  command->add_option("--threads", options->threads, "Pictures made at once; 0: one per core")
+      ->capture_default_str()
+      ->type_name("N");
+  command->footer(
+      "Depth-image-based rendering: depth is drawn into the virtual view (z-buffer, sub-pixel), colour fetched back,\n"
+      "sources blended by nearness where they agree, holes filled from the background.\n"
+      "Examples:\n"
+      "  depthfarm synthesize array.json depth -o view2 --view cam2\n"
+      "  depthfarm synthesize array.json depth -o sweep --path cam0,cam3,cam7 --steps 100 --frames 0:1\n"
+      "  depthfarm synthesize array.json depth -o sweep.yuv --path cam0,cam7 && \\\n"
+      "    ffmpeg -f rawvideo -pix_fmt yuv420p -s 1024x768 -r 25 -i sweep.yuv sweep.mp4");
+  command->callback(
+      [options, action] { *action = [options] { return depthfarm::RunSynthesize(*options, std::cout); }; });
+}
+
 void AddColour(CLI::App* command, Action* action) {
   auto options = std::make_shared<depthfarm::ColourCommandOptions>();
   command->add_option("depth", options->depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
@@ -126,9 +199,10 @@ struct Command {
   void (*add)(CLI::App* command, Action* action);
 };
 
-constexpr std::array<Command, 3> kCommands = {{
+constexpr std::array<Command, 4> kCommands = {{
     {"scene", "Render a synthetic multi-camera sequence with exact depth", AddScene},
     {"evaluate", "Measure depth: synthesised views against pictures, depth against ground truth", AddEvaluate},
+    {"synthesize", "Render virtual views from pictures and depth", AddSynthesize},
     {"colour", "Turn depth maps into colour pictures to look at", AddColour},
 }};
 

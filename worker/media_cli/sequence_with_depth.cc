@@ -1,4 +1,4 @@
-#include "worker/media_cli/evaluate_input.h"
+#include "worker/media_cli/sequence_with_depth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +55,7 @@ Result<int> DownscaleOf(const SequenceCamera& in_sequence, const Camera& of_dept
                          Size(in_sequence.camera) + "; expected it 1, 2 or 4 times smaller");
 }
 
-Status AddViews(EvaluateInput& input) {
+Status AddViews(SequenceWithDepth& input) {
   std::optional<int> downscale;
   for (const DepthManifestCamera& depth : input.manifest.cameras) {
     const auto same_name = [&](const SequenceCamera& camera) { return camera.camera.name == depth.camera.name; };
@@ -73,7 +73,7 @@ Status AddViews(EvaluateInput& input) {
   }
   input.downscale = downscale.value_or(1);
   for (const SequenceCamera& camera : input.sequence.cameras) {
-    EvaluateInput::View view;
+    SequenceWithDepth::View view;
     view.camera = Downscaled(camera.camera, input.downscale);
     view.in_sequence = &camera;
     for (const DepthManifestCamera& depth : input.manifest.cameras) {
@@ -88,7 +88,7 @@ Status AddViews(EvaluateInput& input) {
 }
 
 // The planes that the depth was estimated on.
-Status SetLevels(EvaluateInput& input) {
+Status SetLevels(SequenceWithDepth& input) {
   double z_near = NumberParameter(input.manifest, "zNear").value_or(input.sequence.z_near.value_or(0));
   double z_far = NumberParameter(input.manifest, "zFar").value_or(input.sequence.z_far.value_or(0));
   std::vector<Camera> cameras;
@@ -111,9 +111,9 @@ Status SetLevels(EvaluateInput& input) {
   return {};
 }
 
-void FindNearest(EvaluateInput& input) {
+void FindNearest(SequenceWithDepth& input) {
   std::vector<Camera> cameras;
-  for (const EvaluateInput::View& view : input.views) cameras.push_back(view.camera);
+  for (const SequenceWithDepth::View& view : input.views) cameras.push_back(view.camera);
   for (const std::vector<int>& list : ChooseNeighbours(cameras, *input.levels, 1)) {
     input.nearest.push_back(list.empty() ? -1 : list.front());
   }
@@ -161,7 +161,7 @@ GroundTruthFrame Downscaled(const GroundTruthFrame& truth, int factor) {
 
 }  // namespace
 
-Status ReadEvaluateInput(const std::string& sequence_file, const std::string& depth_dir, EvaluateInput& input) {
+Status ReadSequenceWithDepth(const std::string& sequence_file, const std::string& depth_dir, SequenceWithDepth& input) {
   input.depth_dir = depth_dir;
   DEPTHFARM_ASSIGN_OR_RETURN(input.sequence, ReadSequence(sequence_file));
   DEPTHFARM_ASSIGN_OR_RETURN(input.manifest, ReadDepthManifest(depth_dir));
@@ -176,7 +176,7 @@ Status ReadEvaluateInput(const std::string& sequence_file, const std::string& de
   return {};
 }
 
-Result<int> FindView(const EvaluateInput& input, const std::string& name) {
+Result<int> FindView(const SequenceWithDepth& input, const std::string& name) {
   std::string names;
   for (std::size_t i = 0; i < input.views.size(); ++i) {
     if (input.views[i].camera.name == name) return static_cast<int>(i);
@@ -185,7 +185,7 @@ Result<int> FindView(const EvaluateInput& input, const std::string& name) {
   return InvalidArgument("there is no camera '" + name + "' in " + input.sequence.file + "; it has " + names);
 }
 
-std::vector<int> SidesOf(const EvaluateInput& input, int target) {
+std::vector<int> SidesOf(const SequenceWithDepth& input, int target) {
   std::vector<Camera> cameras = {input.views[static_cast<std::size_t>(target)].camera};
   std::vector<int> indices = {target};
   for (std::size_t i = 0; i < input.views.size(); ++i) {
@@ -202,36 +202,63 @@ std::vector<int> SidesOf(const EvaluateInput& input, int target) {
   return {indices[static_cast<std::size_t>(chosen[0])], indices[static_cast<std::size_t>(chosen[1])]};
 }
 
-Result<const YcbcrImage*> EvaluateFrame::Picture(int view) {
+std::vector<int> SourcesFor(const SequenceWithDepth& input, const Camera& target, int count, int except) {
+  std::vector<int> sources;
+  std::vector<Camera> cameras = {target};
+  std::vector<int> indices = {-1};
+  for (std::size_t i = 0; i < input.views.size(); ++i) {
+    const SequenceWithDepth::View& view = input.views[i];
+    if (view.depth == nullptr || view.in_sequence->images.empty() || static_cast<int>(i) == except) continue;
+    cameras.push_back(view.camera);
+    indices.push_back(static_cast<int>(i));
+    const Eigen::Vector3d step = CenterInWorld(view.camera) - CenterInWorld(target);
+    if (OrderedDot(step, step) == 0) sources.push_back(static_cast<int>(i));
+  }
+  const auto choose = [&](int most) { return ChooseNeighbours(cameras, *input.levels, most).front(); };
+  std::vector<int> chosen = choose(count);
+  if (static_cast<int>(chosen.size()) < count)
+    chosen = choose(std::max(count, 3));  // beyond the array: all on one side
+  for (const int i : chosen) sources.push_back(indices[static_cast<std::size_t>(i)]);
+  if (static_cast<int>(sources.size()) > count) sources.resize(static_cast<std::size_t>(count));
+  return sources;
+}
+
+Result<YcbcrImage> ReadPictureOf(const SequenceWithDepth& input, int view, int frame) {
+  const SequenceCamera& camera = *input.views[static_cast<std::size_t>(view)].in_sequence;
+  if (frame < 0 || static_cast<std::size_t>(frame) >= camera.images.size()) {
+    return InvalidArgument("camera '" + camera.camera.name + "' has " + std::to_string(camera.images.size()) +
+                           " pictures, frame " + std::to_string(frame) + " is beyond them");
+  }
+  return ReadPicture(camera.images[static_cast<std::size_t>(frame)], camera.format, camera.camera.width,
+                     camera.camera.height, input.downscale);
+}
+
+Result<DepthMap> ReadDepthOf(const SequenceWithDepth& input, int view, int frame) {
+  const SequenceWithDepth::View& of = input.views[static_cast<std::size_t>(view)];
+  if (of.depth == nullptr) {
+    return InvalidArgument("there is no depth of camera '" + of.camera.name + "' in " + input.depth_dir);
+  }
+  return ReadDepthOf(input.depth_dir, *of.depth, static_cast<std::size_t>(frame - input.manifest.first_frame));
+}
+
+Result<const YcbcrImage*> FrameWithDepth::Picture(int view) {
   const auto found = pictures_.find(view);
   if (found != pictures_.end()) return &found->second;
-  const SequenceCamera& camera = *input_.views[static_cast<std::size_t>(view)].in_sequence;
-  if (frame_ < 0 || static_cast<std::size_t>(frame_) >= camera.images.size()) {
-    return InvalidArgument("camera '" + camera.camera.name + "' has " + std::to_string(camera.images.size()) +
-                           " pictures, frame " + std::to_string(frame_) + " is beyond them");
-  }
-  DEPTHFARM_ASSIGN_OR_RETURN(YcbcrImage picture,
-                             ReadPicture(camera.images[static_cast<std::size_t>(frame_)], camera.format,
-                                         camera.camera.width, camera.camera.height, input_.downscale));
+  DEPTHFARM_ASSIGN_OR_RETURN(YcbcrImage picture, ReadPictureOf(input_, view, frame_));
   return &pictures_.emplace(view, std::move(picture)).first->second;
 }
 
-Result<const DepthMap*> EvaluateFrame::Depth(int view) {
+Result<const DepthMap*> FrameWithDepth::Depth(int view) {
   const auto found = depths_.find(view);
   if (found != depths_.end()) return &found->second;
-  const EvaluateInput::View& of = input_.views[static_cast<std::size_t>(view)];
-  if (of.depth == nullptr) {
-    return InvalidArgument("there is no depth of camera '" + of.camera.name + "' in " + input_.depth_dir);
-  }
-  const auto position = static_cast<std::size_t>(frame_ - input_.manifest.first_frame);
-  DEPTHFARM_ASSIGN_OR_RETURN(DepthMap depth, ReadDepthOf(input_.depth_dir, *of.depth, position));
+  DEPTHFARM_ASSIGN_OR_RETURN(DepthMap depth, ReadDepthOf(input_, view, frame_));
   return &depths_.emplace(view, std::move(depth)).first->second;
 }
 
-Result<const GroundTruthFrame*> EvaluateFrame::Truth(int view) {
+Result<const GroundTruthFrame*> FrameWithDepth::Truth(int view) {
   const auto found = truths_.find(view);
   if (found != truths_.end()) return &found->second;
-  const EvaluateInput::View& of = input_.views[static_cast<std::size_t>(view)];
+  const SequenceWithDepth::View& of = input_.views[static_cast<std::size_t>(view)];
   if (of.truth == nullptr || static_cast<std::size_t>(frame_) >= of.truth->depth.size()) return nullptr;
   const Camera& full_size = of.in_sequence->camera;
   DEPTHFARM_ASSIGN_OR_RETURN(GroundTruthFrame truth,

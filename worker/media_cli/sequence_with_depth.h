@@ -1,5 +1,5 @@
-#ifndef DEPTHFARM_WORKER_MEDIA_CLI_EVALUATE_INPUT_H_
-#define DEPTHFARM_WORKER_MEDIA_CLI_EVALUATE_INPUT_H_
+#ifndef DEPTHFARM_WORKER_MEDIA_CLI_SEQUENCE_WITH_DEPTH_H_
+#define DEPTHFARM_WORKER_MEDIA_CLI_SEQUENCE_WITH_DEPTH_H_
 
 #include <map>
 #include <optional>
@@ -16,7 +16,7 @@
 namespace depthfarm {
 
 // A sequence and depth of some of its cameras, at the size of the depth.
-struct EvaluateInput {
+struct SequenceWithDepth {
   // One camera of the sequence.
   struct View {
     Camera camera;                                // as downscaled
@@ -35,27 +35,36 @@ struct EvaluateInput {
   std::optional<DepthLevels> levels;  // always set
   std::vector<int> nearest;           // per view: the nearest other view, where errors in px are seen; -1 = none
 
-  EvaluateInput() = default;
-  EvaluateInput(const EvaluateInput&) = delete;  // `views` point into it
-  EvaluateInput& operator=(const EvaluateInput&) = delete;
+  SequenceWithDepth() = default;
+  SequenceWithDepth(const SequenceWithDepth&) = delete;  // `views` point into it
+  SequenceWithDepth& operator=(const SequenceWithDepth&) = delete;
 };
 
 // Fills `input` from the files. kInvalidArgument: what can't be read, cameras of depth.json that the sequence doesn't
 // have or has with another calibration, sizes that no downscaling by 1, 2 or 4 gives, no depth range.
-[[nodiscard]] Status ReadEvaluateInput(const std::string& sequence_file, const std::string& depth_dir,
-                                       EvaluateInput& input);
+[[nodiscard]] Status ReadSequenceWithDepth(const std::string& sequence_file, const std::string& depth_dir,
+                                           SequenceWithDepth& input);
 
 // Index into `views`; kInvalidArgument names the cameras there are.
-[[nodiscard]] Result<int> FindView(const EvaluateInput& input, const std::string& name);
+[[nodiscard]] Result<int> FindView(const SequenceWithDepth& input, const std::string& name);
 
 // The two views with depth that `target` lies between (baselines more than 90 degrees apart), nearest first; else
 // empty.
-[[nodiscard]] std::vector<int> SidesOf(const EvaluateInput& input, int target);
+[[nodiscard]] std::vector<int> SidesOf(const SequenceWithDepth& input, int target);
+
+// The views with depth that a target camera is best synthesised from, at most `count`: on either side of it where there
+// are any, nearest first; the one that stands where the target does first of all. `except` (-1: none) is not
+// considered. Empty if none sees what the target sees.
+[[nodiscard]] std::vector<int> SourcesFor(const SequenceWithDepth& input, const Camera& target, int count, int except);
+
+// A view's picture in a frame of the sequence, and its depth. kInvalidArgument: there is none, or it cannot be read.
+[[nodiscard]] Result<YcbcrImage> ReadPictureOf(const SequenceWithDepth& input, int view, int frame);
+[[nodiscard]] Result<DepthMap> ReadDepthOf(const SequenceWithDepth& input, int view, int frame);
 
 // Pictures and depth of one frame, each read when first asked for. Pointers stay valid as long as this lives.
-class EvaluateFrame {
+class FrameWithDepth {
  public:
-  EvaluateFrame(const EvaluateInput& input, int frame) : input_(input), frame_(frame) {}
+  FrameWithDepth(const SequenceWithDepth& input, int frame) : input_(input), frame_(frame) {}
 
   [[nodiscard]] int frame() const { return frame_; }
   [[nodiscard]] Result<const YcbcrImage*> Picture(int view);
@@ -64,7 +73,7 @@ class EvaluateFrame {
   [[nodiscard]] Result<const GroundTruthFrame*> Truth(int view);
 
  private:
-  const EvaluateInput& input_;
+  const SequenceWithDepth& input_;
   int frame_;
   std::map<int, YcbcrImage> pictures_;
   std::map<int, DepthMap> depths_;
@@ -73,4 +82,4 @@ class EvaluateFrame {
 
 }  // namespace depthfarm
 
-#endif  // DEPTHFARM_WORKER_MEDIA_CLI_EVALUATE_INPUT_H_
+#endif  // DEPTHFARM_WORKER_MEDIA_CLI_SEQUENCE_WITH_DEPTH_H_

@@ -195,5 +195,31 @@ TEST(RawPicture, EncodedSamplesOfMoreBitsSpanTheFullRange) {
   EXPECT_EQ(EncodeRawYuv420(RgbImage(2, 2, {255, 255, 255}), 10), Bytes({1023, 1023, 1023, 1023, 512, 512}, 10));
 }
 
+TEST(RawPicture, LimitedRangeIsWhatPlayersExpect) {
+  YcbcrImage picture(2, 2, {255, 128, 128, 0});
+  picture(0, 0).y = 0;
+  EXPECT_EQ(EncodeLimitedYuv420(picture), Bytes({16, 235, 235, 235, 128, 128}, 8));
+  EXPECT_EQ(EncodeLimitedYuv420(YcbcrImage(1, 1, {0, 0, 255, 0})), Bytes({16, 16, 240}, 8));
+}
+
+TEST(RawPicture, LimitedRangeComesBackWithinARounding) {
+  YcbcrImage picture(33, 9);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      picture(x, y) = {static_cast<std::uint8_t>(7 * x + y), static_cast<std::uint8_t>(100 + 2 * x),
+                       static_cast<std::uint8_t>(150 - 3 * y), 0};
+    }
+  }
+  const auto back = DecodeRawPicture(EncodeLimitedYuv420(picture), {Kind::kYuv420, 8, false, false}, 33, 9, 1);
+  ASSERT_TRUE(back.ok());
+  for (int y = 2; y < picture.height() - 2; ++y) {
+    for (int x = 2; x < picture.width() - 2; ++x) {
+      EXPECT_NEAR((*back)(x, y).y, picture(x, y).y, 1);
+      EXPECT_NEAR((*back)(x, y).cb, picture(x, y).cb, 1);
+      EXPECT_NEAR((*back)(x, y).cr, picture(x, y).cr, 1);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace depthfarm

@@ -1,0 +1,92 @@
+#include "worker/media_cli/picture_sink.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "common/files/atomic_file.h"
+#include "common/files/open_file.h"
+#include "common/media/colour_map.h"
+#include "common/media/raw_picture.h"
+#include "common/sequence/frame_name.h"
+
+namespace depthfarm {
+namespace {
+
+class PngFolder : public PictureSink {
+ public:
+  explicit PngFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  Result<std::string> Encode(const YcbcrImage& picture) const override { return EncodeRgbPng(ToRgb(picture)); }
+  Status Write(int number, const std::string& bytes) override {
+    return WriteFileAtomically((folder_ / (FrameName(number) + ".png")).string(), bytes);
+  }
+  Status Finish() override { return {}; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+class YuvFile : public PictureSink {
+ public:
+  explicit YuvFile(std::string path)
+      : path_(std::move(path)),
+        temporary_(path_ + ".part" + std::to_string(getpid())),
+        stream_(temporary_, std::ios::binary | std::ios::trunc) {}
+  ~YuvFile() override {
+    if (finished_) return;
+    stream_.close();
+    std::error_code ignored;
+    std::filesystem::remove(temporary_, ignored);
+  }
+  YuvFile(const YuvFile&) = delete;
+  YuvFile& operator=(const YuvFile&) = delete;
+
+  [[nodiscard]] Status Check() const { return stream_ ? Status() : FileFailure(temporary_, "write"); }
+  Result<std::string> Encode(const YcbcrImage& picture) const override { return EncodeLimitedYuv420(picture); }
+  Status Write(int /*number*/, const std::string& bytes) override {
+    stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    return Check();
+  }
+  Status Finish() override {
+    stream_.close();
+    DEPTHFARM_RETURN_IF_ERROR(Check());
+    std::error_code error;
+    std::filesystem::rename(temporary_, path_, error);
+    if (error) return Unavailable(path_ + ": cannot be written: " + error.message());
+    finished_ = true;
+    return {};
+  }
+
+ private:
+  std::string path_;
+  std::string temporary_;
+  std::ofstream stream_;
+  bool finished_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<PictureSink>> OpenPictureSink(const std::string& output) {
+  const std::filesystem::path path(output);
+  const std::string extension = path.extension().string();
+  if (extension == ".yuv") {
+    const std::filesystem::path folder = path.parent_path();
+    if (!folder.empty()) DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder.string()));
+    auto file = std::make_unique<YuvFile>(output);
+    DEPTHFARM_RETURN_IF_ERROR(file->Check());
+    return std::unique_ptr<PictureSink>(std::move(file));
+  }
+  for (const char* video : {".mp4", ".mkv", ".mov", ".avi", ".webm", ".y4m", ".h264", ".hevc", ".png", ".jpg"}) {
+    if (extension == video) {
+      return InvalidArgument("output '" + output + "': expected FILE.yuv or a folder for PNG pictures");
+    }
+  }
+  DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(output));
+  return std::unique_ptr<PictureSink>(std::make_unique<PngFolder>(path));
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,119 @@
+#include "worker/media_cli/synthesize_command.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <ostream>
+#include <span>
+#include <thread>
+#include <utility>
+
+#include "common/base/parallel.h"
+#include "common/synthesis/synthesize_view.h"
+#include "worker/media_cli/picture_sink.h"
+#include "worker/media_cli/sequence_with_depth.h"
+#include "worker/media_cli/virtual_views.h"
+
+namespace depthfarm {
+namespace {
+
+struct Source {
+  YcbcrImage picture;
+  DepthMap depth;
+};
+using SourceKey = std::pair<int, int>;  // view, frame
+
+// What the pictures in work are made from.
+class Sources {
+ public:
+  explicit Sources(const SequenceWithDepth& input) : input_(input) {}
+
+  // Reads what `views` need and forgets what they do not.
+  [[nodiscard]] Status Load(std::span<const VirtualView> views, int threads) {
+    std::map<SourceKey, std::shared_ptr<const Source>> needed;
+    for (const VirtualView& view : views) {
+      for (const int source : view.sources) {
+        const auto old = loaded_.find({source, view.frame});
+        needed[{source, view.frame}] = old == loaded_.end() ? nullptr : old->second;
+      }
+    }
+    loaded_ = std::move(needed);
+    std::vector<SourceKey> missing;
+    for (const auto& [key, source] : loaded_)
+      if (source == nullptr) missing.push_back(key);
+    std::vector<Status> failures(missing.size());
+    std::vector<std::shared_ptr<const Source>> read(missing.size());
+    ParallelFor(missing.size(), threads, [&](std::size_t i) { failures[i] = Read(missing[i], read[i]); });
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+      DEPTHFARM_RETURN_IF_ERROR(failures[i]);
+      loaded_[missing[i]] = read[i];
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::vector<SourceView> Of(const VirtualView& view) const {
+    std::vector<SourceView> sources;
+    for (const int source : view.sources) {
+      const Source& loaded = *loaded_.at({source, view.frame});
+      sources.push_back({&loaded.picture, &loaded.depth, input_.views[static_cast<std::size_t>(source)].camera});
+    }
+    return sources;
+  }
+
+ private:
+  [[nodiscard]] Status Read(const SourceKey& key, std::shared_ptr<const Source>& result) const {
+    auto source = std::make_shared<Source>();
+    DEPTHFARM_ASSIGN_OR_RETURN(source->picture, ReadPictureOf(input_, key.first, key.second));
+    DEPTHFARM_ASSIGN_OR_RETURN(source->depth, ReadDepthOf(input_, key.first, key.second));
+    result = std::move(source);
+    return {};
+  }
+
+  const SequenceWithDepth& input_;
+  std::map<SourceKey, std::shared_ptr<const Source>> loaded_;
+};
+
+Result<std::string> Rendered(const VirtualView& view, const Sources& sources, const PictureSink& sink) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView result, SynthesizeView(sources.Of(view), view.camera));
+  return sink.Encode(result.picture);
+}
+
+}  // namespace
+
+Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out) {
+  if (options.threads < 0) {
+    return InvalidArgument("--threads is " + std::to_string(options.threads) +
+                           ", expected at least 1, or 0: one per core");
+  }
+  const int threads =
+      options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  SequenceWithDepth input;
+  DEPTHFARM_RETURN_IF_ERROR(ReadSequenceWithDepth(options.sequence, options.depth_dir, input));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<VirtualView> views, PlanVirtualViews(options, input));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<PictureSink> sink, OpenPictureSink(options.output));
+
+  Sources sources(input);
+  const std::span<const VirtualView> all(views);
+  for (std::size_t begin = 0; begin < all.size(); begin += static_cast<std::size_t>(threads)) {
+    const auto batch = all.subspan(begin, std::min(static_cast<std::size_t>(threads), all.size() - begin));
+    DEPTHFARM_RETURN_IF_ERROR(sources.Load(batch, threads));
+    std::vector<Result<std::string>> pictures(batch.size(), Cancelled());
+    ParallelFor(batch.size(), threads, [&](std::size_t i) { pictures[i] = Rendered(batch[i], sources, *sink); });
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (!pictures[i].ok()) return pictures[i].status().WithContext("frame " + std::to_string(batch[i].frame));
+      DEPTHFARM_RETURN_IF_ERROR(sink->Write(batch[i].number, *pictures[i]));
+    }
+  }
+  DEPTHFARM_RETURN_IF_ERROR(sink->Finish());
+  const Camera& first = views.front().camera;
+  out << views.size() << (views.size() == 1 ? " picture of " : " pictures of ") << first.width << "x" << first.height
+      << " from";
+  for (const int source : views.front().sources)
+    out << " " << input.views[static_cast<std::size_t>(source)].camera.name;
+  if (views.back().sources != views.front().sources) out << " and so on";
+  out << " -> " << options.output << "\n";
+  return {};
+}
+
+}  // namespace depthfarm
