@@ -77,29 +77,10 @@ void AppendSample(double value, int bits, std::string& bytes) {
   for (int i = 0; i < BytesPerSample(bits); ++i) bytes.push_back(static_cast<char>(sample >> (8 * i) & 0xff));
 }
 
-// Planar 4:2:0 of colour_at(x, y).
-template <typename ColourAt>
-std::string Encode(int width, int height, const PictureFormat& format, const ColourAt& colour_at) {
-  const RangeConversion conversion = ConversionOf(format);
-  std::string bytes;
-  bytes.reserve(RawPictureBytes(format, width, height));
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x)
-      AppendSample(conversion.black + colour_at(x, y).y / conversion.y_scale, format.bits, bytes);
-  }
-  for (const auto channel : {&YcbcrReal::cb, &YcbcrReal::cr}) {
-    const auto at = [&](int x, int y) {  // edges repeated
-      return colour_at(std::clamp(x, 0, width - 1), std::min(y, height - 1)).*channel;
-    };
-    const auto across = [&](int x, int y) { return at(x - 1, y) + 2 * at(x, y) + at(x + 1, y); };
-    for (int y = 0; y < height; y += 2) {
-      for (int x = 0; x < width; x += 2) {
-        const double mean = (across(x, y) + across(x, y + 1)) / 8;
-        AppendSample(conversion.chroma_zero + mean / conversion.chroma_scale, format.bits, bytes);
-      }
-    }
-  }
-  return bytes;
+// The colour of a pixel, edges repeated.
+YcbcrReal ColourAt(const RgbImage& picture, int x, int y) {
+  const Rgb8& pixel = picture(std::clamp(x, 0, picture.width() - 1), std::clamp(y, 0, picture.height() - 1));
+  return Bt601FromRgb(pixel.r, pixel.g, pixel.b);
 }
 
 }  // namespace
@@ -152,18 +133,56 @@ Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat&
 }
 
 std::string EncodeRawYuv420(const RgbImage& picture, int bits) {
-  return Encode(picture.width(), picture.height(), {PictureFormat::Kind::kYuv420, bits, true, false},
-                [&](int x, int y) {
-                  const Rgb8& pixel = picture(x, y);
-                  return Bt601FromRgb(pixel.r, pixel.g, pixel.b);
-                });
+  const PictureFormat format = {PictureFormat::Kind::kYuv420, bits, true, false};
+  const RangeConversion conversion = ConversionOf(format);
+  std::string bytes;
+  bytes.reserve(RawPictureBytes(format, picture.width(), picture.height()));
+  for (const Rgb8& pixel : picture.values()) {
+    AppendSample(Bt601FromRgb(pixel.r, pixel.g, pixel.b).y / conversion.y_scale, bits, bytes);
+  }
+  for (const auto channel : {&YcbcrReal::cb, &YcbcrReal::cr}) {
+    const auto across = [&](int x, int y) {
+      return ColourAt(picture, x - 1, y).*channel + 2 * ColourAt(picture, x, y).*channel +
+             ColourAt(picture, x + 1, y).*channel;
+    };
+    for (int y = 0; y < picture.height(); y += 2) {
+      for (int x = 0; x < picture.width(); x += 2) {
+        const double mean = (across(x, y) + across(x, y + 1)) / 8;
+        AppendSample(conversion.chroma_zero + mean / conversion.chroma_scale, bits, bytes);
+      }
+    }
+  }
+  return bytes;
 }
 
 std::string EncodeLimitedYuv420(const YcbcrImage& picture) {
-  return Encode(picture.width(), picture.height(), {PictureFormat::Kind::kYuv420, 8, false, false}, [&](int x, int y) {
-    const Ycbcr& pixel = picture(x, y);
-    return YcbcrReal{static_cast<double>(pixel.y), pixel.cb - 128.0, pixel.cr - 128.0};
-  });
+  // Of whole 8-bit units there are few: a table for luma and one for the eightfold mean of chroma.
+  const PictureFormat format = {PictureFormat::Kind::kYuv420, 8, false, false};
+  const RangeConversion conversion = ConversionOf(format);
+  std::string luma;
+  for (int y = 0; y < 256; ++y) AppendSample(conversion.black + y / conversion.y_scale, 8, luma);
+  std::string chroma;
+  for (int sum = 0; sum <= 8 * 255; ++sum)
+    AppendSample(conversion.chroma_zero + (sum / 8.0 - 128) / conversion.chroma_scale, 8, chroma);
+
+  std::string bytes;
+  bytes.reserve(RawPictureBytes(format, picture.width(), picture.height()));
+  for (const Ycbcr& pixel : picture.values()) bytes.push_back(luma[pixel.y]);
+  const int right = picture.width() - 1;
+  for (const auto channel : {&Ycbcr::cb, &Ycbcr::cr}) {
+    for (int y = 0; y < picture.height(); y += 2) {
+      const Ycbcr* upper = picture.row(y);
+      const Ycbcr* lower = picture.row(std::min(y + 1, picture.height() - 1));
+      for (int x = 0; x <= right; x += 2) {
+        const int before = std::max(x - 1, 0);
+        const int after = std::min(x + 1, right);
+        const int sum = upper[before].*channel + 2 * (upper[x].*channel) + upper[after].*channel +
+                        lower[before].*channel + 2 * (lower[x].*channel) + lower[after].*channel;
+        bytes.push_back(chroma[static_cast<std::size_t>(sum)]);
+      }
+    }
+  }
+  return bytes;
 }
 
 Result<Grid<std::uint16_t>> DecodeRawLuma(std::string_view bytes, const PictureFormat& format, int width, int height) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 
 namespace depthfarm {
@@ -11,14 +12,6 @@ namespace {
 
 // A pixel belongs to the sampled surface if its depth moves it by at most this many target pixels.
 constexpr float kSameSurfacePx = 1.0F;
-
-// Catmull-Rom weights of the four samples around a position `t` past the second one.
-std::array<float, 4> CubicWeights(float t) {
-  const float t2 = t * t;
-  const float t3 = t2 * t;
-  return {-0.5F * t3 + t2 - 0.5F * t, 1.5F * t3 - 2.5F * t2 + 1.0F, -1.5F * t3 + 2.0F * t2 + 0.5F * t,
-          0.5F * t3 - 0.5F * t2};
-}
 
 void Add(const Colour& colour, float weight, Colour& sum) {
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * colour[i];
@@ -46,21 +39,54 @@ Position Clamped(int width, int height, float x, float y) {
   return p;
 }
 
-// A Colour in one register. GCC's and Clang's vector type: they do not find it by themselves in loops over four values.
+// A Colour in one register, and four pixels: GCC's and Clang's vector types, for they do not find them by themselves in
+// loops over four values.
 using ColourVector = float __attribute__((vector_size(16)));
+using Bytes = std::uint8_t __attribute__((vector_size(16)));
+using Words = std::uint16_t __attribute__((vector_size(16)));
+using Quads = std::int32_t __attribute__((vector_size(16)));
 
-ColourVector Load(const Colour& colour) {
-  ColourVector vector;
-  std::memcpy(&vector, colour.data(), sizeof(vector));
-  return vector;
+struct FourColours {
+  ColourVector a, b, c, d;
+};
+
+// Four neighbours of a row.
+FourColours Load(const Ycbcr* pixels) {
+  static_assert(sizeof(Ycbcr) == 4);
+  Bytes bytes;
+  std::memcpy(&bytes, pixels, sizeof(bytes));
+  constexpr Bytes kZero = {};
+  const Words ab = (Words)__builtin_shufflevector(bytes, kZero, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const Words cd =
+      (Words)__builtin_shufflevector(bytes, kZero, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+  constexpr Words kZeros = {};
+  const auto low = [&](Words words) {
+    return __builtin_convertvector((Quads)__builtin_shufflevector(words, kZeros, 0, 8, 1, 9, 2, 10, 3, 11),
+                                   ColourVector);
+  };
+  const auto high = [&](Words words) {
+    return __builtin_convertvector((Quads)__builtin_shufflevector(words, kZeros, 4, 12, 5, 13, 6, 14, 7, 15),
+                                   ColourVector);
+  };
+  return {low(ab), high(ab), low(cd), high(cd)};
 }
 
-Colour Cubic(const ColourGrid& picture, const Position& p) {
-  const std::array<float, 4> wx = CubicWeights(p.tx);
-  const std::array<float, 4> wy = CubicWeights(p.ty);
+// Catmull-Rom weights of the four samples around a position `t` past the second one.
+ColourVector CubicWeights(float t) {
+  constexpr ColourVector kCubed = {-0.5F, 1.5F, -1.5F, 0.5F};
+  constexpr ColourVector kSquared = {1.0F, -2.5F, 2.0F, -0.5F};
+  constexpr ColourVector kLinear = {-0.5F, 0.0F, 0.5F, 0.0F};
+  constexpr ColourVector kConstant = {0.0F, 1.0F, 0.0F, 0.0F};
+  return ((kCubed * t + kSquared) * t + kLinear) * t + kConstant;
+}
+
+// (x0 + tx, y0 + ty); the 4 x 4 pixels around exist.
+Colour Cubic(const YcbcrImage& picture, int x0, int y0, float tx, float ty) {
+  const ColourVector wx = CubicWeights(tx);
+  const ColourVector wy = CubicWeights(ty);
   const auto row = [&](int j) {
-    const Colour* pixels = picture.row(p.y0 + j) + (p.x0 - 1);
-    return wx[0] * Load(pixels[0]) + wx[1] * Load(pixels[1]) + wx[2] * Load(pixels[2]) + wx[3] * Load(pixels[3]);
+    const FourColours pixels = Load(picture.row(y0 + j) + (x0 - 1));
+    return wx[0] * pixels.a + wx[1] * pixels.b + wx[2] * pixels.c + wx[3] * pixels.d;
   };
   ColourVector sum = wy[0] * row(-1) + wy[1] * row(0) + wy[2] * row(1) + wy[3] * row(2);
   constexpr ColourVector kBlack = {0, 0, 0, 0};
@@ -73,7 +99,7 @@ Colour Cubic(const ColourGrid& picture, const Position& p) {
 }
 
 // Near tears: bilinear over the pixels of the same surface.
-SampledColour BesideTears(const ColourGrid& picture, const Surface& surface, const Position& p, float inverse_depth) {
+SampledColour BesideTears(const YcbcrImage& picture, const Surface& surface, const Position& p, float inverse_depth) {
   struct Tap {
     int x, y;
     float weight;
@@ -97,12 +123,12 @@ SampledColour BesideTears(const ColourGrid& picture, const Surface& surface, con
     }
     if (distance > kSameSurfacePx) continue;
     weight_sum += tap.weight;
-    Add(picture(tap.x, tap.y), tap.weight, result.colour);
+    Add(ColourOf(picture(tap.x, tap.y)), tap.weight, result.colour);
     if ((surface.flags(tap.x, tap.y) & Surface::kBehindEdge) == 0) clean_weight += tap.weight;
   }
   // A position that lies almost wholly on foreign pixels would amplify a tiny share: take the likest pixel instead.
   if (weight_sum < 0.05F) {
-    return {picture(best->x, best->y), (surface.flags(best->x, best->y) & Surface::kBehindEdge) == 0};
+    return {ColourOf(picture(best->x, best->y)), (surface.flags(best->x, best->y) & Surface::kBehindEdge) == 0};
   }
   for (float& value : result.colour) value /= weight_sum;
   result.clean = clean_weight > 0.5F * weight_sum;
@@ -121,10 +147,14 @@ Colour SampleBilinear(const YcbcrImage& picture, double x, double y) {
   return sum;
 }
 
-SampledColour SampleSurface(const ColourGrid& picture, const Surface& surface, float x, float y, float inverse_depth) {
-  const Position p = Clamped(picture.width(), picture.height(), x, y);
-  if ((surface.flags(p.x0, p.y0) & Surface::kSmooth) != 0) return {Cubic(picture, p), true};
-  return BesideTears(picture, surface, p, inverse_depth);
+SampledColour SampleSurface(const YcbcrImage& picture, const Surface& surface, float x, float y, float inverse_depth) {
+  if (x >= 0 && y >= 0 && x < static_cast<float>(picture.width()) && y < static_cast<float>(picture.height())) {
+    const int x0 = static_cast<int>(x);
+    const int y0 = static_cast<int>(y);
+    if ((surface.flags(x0, y0) & Surface::kSmooth) != 0)
+      return {Cubic(picture, x0, y0, x - static_cast<float>(x0), y - static_cast<float>(y0)), true};
+  }
+  return BesideTears(picture, surface, Clamped(picture.width(), picture.height(), x, y), inverse_depth);
 }
 
 }  // namespace depthfarm

@@ -15,7 +15,7 @@ struct SampledColour {
 // Colour of the surface point that projects to pixel (x, y) of the source picture with `inverse_depth` = 1/z along the
 // source's axis. Cubic (Catmull-Rom) inside one surface; near tears bilinear over those of the four pixels that lie on
 // the same surface, so that no colour leaks across a depth jump. (x, y) is clamped to the picture.
-[[nodiscard]] SampledColour SampleSurface(const ColourGrid& picture, const Surface& surface, float x, float y,
+[[nodiscard]] SampledColour SampleSurface(const YcbcrImage& picture, const Surface& surface, float x, float y,
                                           float inverse_depth);
 
 // Bilinear, at (x, y) clamped to the picture.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include "common/geometry/reprojection.h"
 
@@ -27,7 +28,9 @@ void ProjectRow(const float* depth, int width, int y, const Reprojection& target
   const double row_x = m(0, 1) * y + m(0, 2);
   const double row_y = m(1, 1) * y + m(1, 2);
   const double row_z = m(2, 1) * y + m(2, 2);
-  Surface::Point* points = surface.points.row(y);
+  float* target_x = surface.x.row(y);
+  float* target_y = surface.y.row(y);
+  float* target_inverse_depth = surface.target_inverse_depth.row(y);
   float* inverse_depth = surface.inverse_depth.row(y);
   float* parallax = surface.parallax.row(y);
   for (int x = 0; x < width; ++x) {
@@ -39,8 +42,9 @@ void ProjectRow(const float* depth, int width, int y, const Reprojection& target
     const double py = (m(1, 0) * x + row_y + e[1] * inverse) * w;
     const double dx = (e[0] - px * e[2]) * w;  // d px / d(1/z)
     const double dy = (e[1] - py * e[2]) * w;
-    points[x] = {seen ? static_cast<float>(px) : 0.0F, seen ? static_cast<float>(py) : 0.0F,
-                 seen ? static_cast<float>(inverse * w) : 0.0F};
+    target_x[x] = seen ? static_cast<float>(px) : 0.0F;
+    target_y[x] = seen ? static_cast<float>(py) : 0.0F;
+    target_inverse_depth[x] = seen ? static_cast<float>(inverse * w) : 0.0F;
     inverse_depth[x] = seen ? static_cast<float>(inverse) : 0.0F;
     parallax[x] = seen ? static_cast<float>(std::sqrt(dx * dx + dy * dy)) : 0.0F;
   }
@@ -102,41 +106,72 @@ void MarkSmooth(Surface& surface) {
   }
 }
 
-// Draws triangles and quads into a buffer of 1/z', the largest winning.
+// A corner of what is drawn.
+struct Point {
+  float x = 0;  // pixel of the target
+  float y = 0;
+  float inverse_depth = 0;
+};
+
+Point PointAt(const Surface& surface, int x, int y) {
+  return {surface.x(x, y), surface.y(x, y), surface.target_inverse_depth(x, y)};
+}
+
+// Pixels of the target, both ends included; none if the last is before the first.
+struct Box {
+  int first_x = 0;
+  int last_x = -1;
+  int first_y = 0;
+  int last_y = -1;
+};
+
+constexpr float kSlack = 1e-3F;    // float rounding must not open cracks between triangles
+constexpr float kMinArea = 1e-4F;  // pixels^2
+
+// First and last of `size` pixels in [low, high] and the slack around it. Without std::ceil and std::floor, which are
+// function calls before SSE 4.1.
+int FirstPixel(float low, int size) {
+  const float from = std::min(std::max(low - kSlack, 0.0F), static_cast<float>(size));
+  const int whole = static_cast<int>(from);
+  return whole + (static_cast<float>(whole) < from ? 1 : 0);
+}
+int LastPixel(float high, int size) {
+  return static_cast<int>(std::max(std::min(high + kSlack, static_cast<float>(size - 1)) + 1, 0.0F)) - 1;
+}
+
+// Draws triangles and quads into a buffer of 1/z', the largest winning. Corners in the order of a source pixel, its
+// right and its lower neighbour; seen from behind they aren't drawn.
 class ZBuffer {
  public:
   ZBuffer(int width, int height) : inverse_depth_(width, height, 0.0F) {}
 
-  // Vertices in the order of a source pixel, its right and its lower neighbour; seen from behind it isn't drawn.
-  void Draw(const Surface::Point& a, const Surface::Point& b, const Surface::Point& c) {
+  void Draw(const Point& a, const Point& b, const Point& c) {
     const Triangle triangle(a, b, c);
     if (!(triangle.area > kMinArea)) return;
-    ForEachPixel(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), std::min({a.y, b.y, c.y}),
-                 std::max({a.y, b.y, c.y}), [&](int x, int y, float& inverse_depth) {
-                   inverse_depth = std::max(inverse_depth, triangle.InverseDepth(x, y));
-                 });
+    const int width = inverse_depth_.width();
+    const int height = inverse_depth_.height();
+    const Box box = {FirstPixel(std::min({a.x, b.x, c.x}), width), LastPixel(std::max({a.x, b.x, c.x}), width),
+                     FirstPixel(std::min({a.y, b.y, c.y}), height), LastPixel(std::max({a.y, b.y, c.y}), height)};
+    ForEachPixel(box, [&](int x, int y, float& inverse_depth) {
+      inverse_depth = std::max(inverse_depth, triangle.InverseDepth(x, y));
+    });
   }
 
-  // The two triangles a, b, c and d, c, b of a quad a b / c d: as Draw of each, in one go.
-  void DrawQuad(const Surface::Point& a, const Surface::Point& b, const Surface::Point& c, const Surface::Point& d) {
+  // The two triangles a, b, c and d, c, b of a quad a b / c d: as Draw of each, in one go. `box`: around all four.
+  void DrawQuad(const Point& a, const Point& b, const Point& c, const Point& d, const Box& box) {
     const Triangle upper(a, b, c);
-    ForEachPixel(std::min(std::min(a.x, b.x), std::min(c.x, d.x)), std::max(std::max(a.x, b.x), std::max(c.x, d.x)),
-                 std::min(std::min(a.y, b.y), std::min(c.y, d.y)), std::max(std::max(a.y, b.y), std::max(c.y, d.y)),
-                 [&](int x, int y, float& inverse_depth) {
-                   float here = upper.InverseDepth(x, y);
-                   if (here == 0) here = Triangle(d, c, b).InverseDepth(x, y);
-                   inverse_depth = std::max(inverse_depth, here);
-                 });
+    ForEachPixel(box, [&](int x, int y, float& inverse_depth) {
+      float here = upper.InverseDepth(x, y);
+      if (here == 0) here = Triangle(d, c, b).InverseDepth(x, y);
+      inverse_depth = std::max(inverse_depth, here);
+    });
   }
 
   Grid<float> Take() && { return std::move(inverse_depth_); }
 
  private:
-  static constexpr float kSlack = 1e-3F;    // float rounding must not open cracks between triangles
-  static constexpr float kMinArea = 1e-4F;  // pixels^2
-
   struct Triangle {
-    Triangle(const Surface::Point& a, const Surface::Point& b, const Surface::Point& c)
+    Triangle(const Point& a, const Point& b, const Point& c)
         : corner(a),
           ux(b.x - a.x),
           uy(b.y - a.y),
@@ -157,83 +192,114 @@ class ZBuffer {
       return corner.inverse_depth + (u * du + v * dv) / area;
     }
 
-    Surface::Point corner;
+    Point corner;
     float ux, uy, vx, vy;
     float du, dv;
     float area;  // twice, pixels^2
   };
 
-  // The pixels of a box (with the slack) that the buffer has.
   template <typename Function>
-  void ForEachPixel(float min_x, float max_x, float min_y, float max_y, const Function& function) {
-    const float width = static_cast<float>(inverse_depth_.width());
-    const float height = static_cast<float>(inverse_depth_.height());
-    if (!(max_x >= 0 && max_y >= 0 && min_x <= width - 1 && min_y <= height - 1)) return;
-    const int first_x = CeilOfPositive(std::max(min_x - kSlack, 0.0F));
-    const int last_x = static_cast<int>(std::min(max_x + kSlack, width - 1));
-    const int first_y = CeilOfPositive(std::max(min_y - kSlack, 0.0F));
-    const int last_y = static_cast<int>(std::min(max_y + kSlack, height - 1));
-    for (int y = first_y; y <= last_y; ++y) {
+  void ForEachPixel(const Box& box, const Function& function) {
+    for (int y = box.first_y; y <= box.last_y; ++y) {
       float* row = inverse_depth_.row(y);
-      for (int x = first_x; x <= last_x; ++x) function(x, y, row[x]);
+      for (int x = box.first_x; x <= box.last_x; ++x) function(x, y, row[x]);
     }
-  }
-
-  // std::ceil is a function call without SSE 4.1.
-  static int CeilOfPositive(float value) {
-    const int floor = static_cast<int>(value);
-    return floor + (static_cast<float>(floor) < value ? 1 : 0);
   }
 
   Grid<float> inverse_depth_;
 };
 
-Surface::Point Sum(const Surface::Point& a, const Surface::Point& b, const Surface::Point& c) {
+// The boxes of all quads between two rows of the source. Structures of arrays and plain loops: they are vectorised, and
+// most of the quads of a picture that shrinks or keeps its size hold one pixel or none.
+class QuadBoxes {
+ public:
+  QuadBoxes(int quads, int target_width, int target_height)
+      : width_(target_width), height_(target_height), along_x_(quads), along_y_(quads) {}
+
+  void Find(const Surface& surface, int y) {
+    along_x_.Find(surface.x.row(y), surface.x.row(y + 1), width_);
+    along_y_.Find(surface.y.row(y), surface.y.row(y + 1), height_);
+  }
+  [[nodiscard]] bool Empty(std::size_t i) const {
+    return along_x_.last[i] < along_x_.first[i] || along_y_.last[i] < along_y_.first[i];
+  }
+  [[nodiscard]] Box At(std::size_t i) const {
+    return {along_x_.first[i], along_x_.last[i], along_y_.first[i], along_y_.last[i]};
+  }
+
+ private:
+  struct Spans {
+    explicit Spans(int quads) : first(static_cast<std::size_t>(quads)), last(static_cast<std::size_t>(quads)) {}
+
+    // Of the quads whose corners lie at upper[i], upper[i + 1], lower[i], lower[i + 1].
+    void Find(const float* upper, const float* lower, int size) {
+      int* const firsts = first.data();
+      int* const lasts = last.data();
+      const auto count = static_cast<int>(first.size());
+      for (int i = 0; i < count; ++i) {
+        const float low = std::min(std::min(upper[i], upper[i + 1]), std::min(lower[i], lower[i + 1]));
+        const float high = std::max(std::max(upper[i], upper[i + 1]), std::max(lower[i], lower[i + 1]));
+        firsts[i] = FirstPixel(low, size);
+        lasts[i] = LastPixel(high, size);
+      }
+    }
+
+    std::vector<int> first;
+    std::vector<int> last;
+  };
+
+  int width_;
+  int height_;
+  Spans along_x_;
+  Spans along_y_;
+};
+
+Point Sum(const Point& a, const Point& b, const Point& c) {
   return {a.x + b.x + c.x, a.y + b.y + c.y, a.inverse_depth + b.inverse_depth + c.inverse_depth};
 }
 
-Surface::Point Half(const Surface::Point& from, const Surface::Point& to, float sign) {
+Point Half(const Point& from, const Point& to, float sign) {
   const float s = 0.5F * sign;
   return {s * (to.x - from.x), s * (to.y - from.y), s * (to.inverse_depth - from.inverse_depth)};
 }
 
 // Half the way to the next pixel in direction (dx, dy) along this pixel's own surface. A pixel torn off on both sides
 // keeps its own depth; its size in the target is then that of its source pixel.
-Surface::Point HalfStep(const Surface& surface, int x, int y, int dx, int dy) {
+Point HalfStep(const Surface& surface, int x, int y, int dx, int dy) {
   const std::uint8_t bit = dx != 0 ? Surface::kTornRight : Surface::kTornBelow;
-  const Surface::Point& here = surface.points(x, y);
-  if ((surface.flags(x, y) & bit) == 0) return Half(here, surface.points(x + dx, y + dy), 1);
+  const Point here = PointAt(surface, x, y);
+  if ((surface.flags(x, y) & bit) == 0) return Half(here, PointAt(surface, x + dx, y + dy), 1);
   if (surface.flags.Contains(x - dx, y - dy) && (surface.flags(x - dx, y - dy) & bit) == 0) {
-    return Half(here, surface.points(x - dx, y - dy), -1);
+    return Half(here, PointAt(surface, x - dx, y - dy), -1);
   }
   return {0.5F * static_cast<float>(dx), 0.5F * static_cast<float>(dy), 0};
 }
 
 void DrawSquare(const Surface& surface, int x, int y, ZBuffer& buffer) {
-  const Surface::Point& centre = surface.points(x, y);
-  const Surface::Point right = HalfStep(surface, x, y, 1, 0);
-  const Surface::Point below = HalfStep(surface, x, y, 0, 1);
-  const auto minus = [](const Surface::Point& p) { return Surface::Point{-p.x, -p.y, -p.inverse_depth}; };
-  const Surface::Point top_left = Sum(centre, minus(right), minus(below));
-  const Surface::Point top_right = Sum(centre, right, minus(below));
-  const Surface::Point bottom_left = Sum(centre, minus(right), below);
-  const Surface::Point bottom_right = Sum(centre, right, below);
+  const Point centre = PointAt(surface, x, y);
+  const Point right = HalfStep(surface, x, y, 1, 0);
+  const Point below = HalfStep(surface, x, y, 0, 1);
+  const auto minus = [](const Point& p) { return Point{-p.x, -p.y, -p.inverse_depth}; };
+  const Point top_left = Sum(centre, minus(right), minus(below));
+  const Point top_right = Sum(centre, right, minus(below));
+  const Point bottom_left = Sum(centre, minus(right), below);
+  const Point bottom_right = Sum(centre, right, below);
   buffer.Draw(top_left, top_right, bottom_left);
   buffer.Draw(bottom_right, bottom_left, top_right);
 }
 
 // The triangles of the quad whose top-left pixel is (x, y): one for each corner connected to both its neighbours.
-void DrawQuad(const Surface& surface, int x, int y, ZBuffer& buffer) {
+void DrawQuad(const Surface& surface, int x, int y, const Box& box, ZBuffer& buffer) {
   const bool top = (surface.flags(x, y) & Surface::kTornRight) == 0;
   const bool left = (surface.flags(x, y) & Surface::kTornBelow) == 0;
   const bool right = (surface.flags(x + 1, y) & Surface::kTornBelow) == 0;
   const bool bottom = (surface.flags(x, y + 1) & Surface::kTornRight) == 0;
-  const Surface::Point& a = surface.points(x, y);
-  const Surface::Point& b = surface.points(x + 1, y);
-  const Surface::Point& c = surface.points(x, y + 1);
-  const Surface::Point& d = surface.points(x + 1, y + 1);
+  const Point a = PointAt(surface, x, y);
+  const Point b = PointAt(surface, x + 1, y);
+  const Point c = PointAt(surface, x, y + 1);
+  const Point d = PointAt(surface, x + 1, y + 1);
   if (top && left && right && bottom) {
-    buffer.DrawQuad(a, b, c, d);
+    buffer.DrawQuad(a, b, c, d, box);
     return;
   }
   if (top && left) buffer.Draw(a, b, c);
@@ -246,7 +312,9 @@ void DrawQuad(const Surface& surface, int x, int y, ZBuffer& buffer) {
 
 Surface ProjectSurface(const DepthMap& depth, const Camera& source, const Camera& target, const SurfaceParams& params) {
   Surface surface;
-  surface.points = Grid<Surface::Point>(depth.width(), depth.height());
+  surface.x = Grid<float>(depth.width(), depth.height());
+  surface.y = Grid<float>(depth.width(), depth.height());
+  surface.target_inverse_depth = Grid<float>(depth.width(), depth.height());
   surface.inverse_depth = Grid<float>(depth.width(), depth.height());
   surface.parallax = Grid<float>(depth.width(), depth.height());
   surface.flags = Grid<std::uint8_t>(depth.width(), depth.height());
@@ -261,9 +329,12 @@ Grid<float> RenderInverseDepth(const Surface& surface, int width, int height) {
   ZBuffer buffer(width, height);
   const int last_x = surface.flags.width() - 1;
   const int last_y = surface.flags.height() - 1;
+  QuadBoxes boxes(last_x, width, height);
   for (int y = 0; y <= last_y; ++y) {
+    if (y < last_y) boxes.Find(surface, y);
     for (int x = 0; x <= last_x; ++x) {
-      if (x < last_x && y < last_y) DrawQuad(surface, x, y, buffer);
+      const auto quad = static_cast<std::size_t>(x);
+      if (x < last_x && y < last_y && !boxes.Empty(quad)) DrawQuad(surface, x, y, boxes.At(quad), buffer);
       if (surface.inverse_depth(x, y) == 0) continue;
       const std::uint8_t own = surface.flags(x, y);
       const bool torn = (own & (Surface::kTornRight | Surface::kTornBelow)) != 0 || x == 0 || y == 0 ||

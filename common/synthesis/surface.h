@@ -17,14 +17,12 @@ struct Surface {
   static constexpr std::uint8_t kBehindEdge = 4;  // on the far side of a jump one pixel away: its colour may be mixed
   static constexpr std::uint8_t kSmooth = 8;      // pixels (x - 1 .. x + 2, y - 1 .. y + 2) exist and are all connected
 
-  struct Point {
-    float x = 0;  // pixel of the target
-    float y = 0;
-    float inverse_depth = 0;  // 1/z' along the target's axis; 0 = no depth, or behind the target
-  };
+  // Where each pixel's point is in the target; source size.
+  Grid<float> x;  // pixel of the target
+  Grid<float> y;
+  Grid<float> target_inverse_depth;  // 1/z' along the target's axis; 0 = no depth, or behind the target
 
-  Grid<Point> points;         // source size
-  Grid<float> inverse_depth;  // 1/z along the source's own axis; 0 where `points` has none
+  Grid<float> inverse_depth;  // 1/z along the source's own axis; 0 where there is no point
   Grid<float> parallax;       // how many target pixels a point moves per unit of its own 1/z
   Grid<std::uint8_t> flags;
 };

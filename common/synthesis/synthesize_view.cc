@@ -15,7 +15,7 @@ namespace {
 // One source drawn into the target.
 struct Warped {
   Surface surface;
-  ColourGrid colours;
+  const YcbcrImage* picture = nullptr;
   Grid<float> inverse_depth;  // target size
   Reprojection source_from_target;
   float weight = 0;
@@ -41,47 +41,59 @@ Status CheckSource(const SourceView& source) {
 // Where the surface points that a row of the target shows lie in one source.
 class RowInSource {
  public:
-  explicit RowInSource(const Warped& source) : source_(source), pixels_(Width()) {}
+  explicit RowInSource(const Warped& source)
+      : source_(source),
+        x_(Width()),
+        y_(Width()),
+        own_inverse_depth_(Width()),
+        depth_ratio_(Width()),
+        inverse_depth_(source.inverse_depth.row(0)) {}
 
-  struct Pixel {
-    float x = 0;  // of the source picture
-    float y = 0;
-    float own_inverse_depth = 0;  // 1/z along the source's axis; 0 = it shows nothing here
-    float inverse_depth = 0;      // 1/z' along the target's
-    float depth_ratio = 0;        // z / z'
-  };
-
-  void Locate(int y) {
+  // Plain loops over arrays: they are vectorised.
+  void Locate(int row) {
+    inverse_depth_ = source_.inverse_depth.row(row);
     const Eigen::Matrix3d& m = source_.source_from_target.m();
     const Eigen::Vector3d& e = source_.source_from_target.e();
-    const double row_x = m(0, 1) * y + m(0, 2);
-    const double row_y = m(1, 1) * y + m(1, 2);
-    const double row_z = m(2, 1) * y + m(2, 2);
-    const float* inverse_depth = source_.inverse_depth.row(y);
-    for (std::size_t i = 0; i < pixels_.size(); ++i) {
-      const auto x = static_cast<double>(i);
-      const auto inverse = static_cast<double>(inverse_depth[i]);
-      const double qz = m(2, 0) * x + row_z + e[2] * inverse;
+    const double row_x = m(0, 1) * row + m(0, 2);
+    const double row_y = m(1, 1) * row + m(1, 2);
+    const double row_z = m(2, 1) * row + m(2, 2);
+    const double step_x = m(0, 0), step_y = m(1, 0), step_z = m(2, 0);
+    const double e_x = e[0], e_y = e[1], e_z = e[2];
+    float* const x_out = x_.data();
+    float* const y_out = y_.data();
+    float* const own_out = own_inverse_depth_.data();
+    float* const ratio_out = depth_ratio_.data();
+    const int width = source_.inverse_depth.width();
+    for (int x = 0; x < width; ++x) {
+      const auto inverse = static_cast<double>(inverse_depth_[x]);
+      const double qz = step_z * x + row_z + e_z * inverse;
       const bool seen = inverse > 0 && qz > 0;
       const double w = 1.0 / (seen ? qz : 1.0);
-      pixels_[i] = {static_cast<float>((m(0, 0) * x + row_x + e[0] * inverse) * w),
-                    static_cast<float>((m(1, 0) * x + row_y + e[1] * inverse) * w),
-                    seen ? static_cast<float>(inverse * w) : 0.0F, inverse_depth[i], static_cast<float>(qz)};
+      x_out[x] = static_cast<float>((step_x * x + row_x + e_x * inverse) * w);
+      y_out[x] = static_cast<float>((step_y * x + row_y + e_y * inverse) * w);
+      own_out[x] = static_cast<float>(seen ? inverse * w : 0.0);
+      ratio_out[x] = static_cast<float>(qz);
     }
   }
 
-  [[nodiscard]] const Warped& source() const { return source_; }
-  [[nodiscard]] const Pixel& At(int x) const { return pixels_[static_cast<std::size_t>(x)]; }
+  // 1/z' along the target's axis of what the source shows at a pixel of the row; 0 = nothing.
+  [[nodiscard]] float InverseDepth(std::size_t i) const { return inverse_depth_[i]; }
+  [[nodiscard]] bool Shows(std::size_t i) const { return own_inverse_depth_[i] > 0; }
+  [[nodiscard]] float weight() const { return source_.weight; }
+
+  [[nodiscard]] SampledColour Sample(std::size_t i) const {
+    return SampleSurface(*source_.picture, source_.surface, x_[i], y_[i], own_inverse_depth_[i]);
+  }
 
   // Whether a pixel's surface lies within `tolerance` source pixels of a point on the same ray at `nearest` = 1/z'.
   // From X = (q + e / z') / q_z the two points are |(e_x - X e_z, e_y - Y e_z)| (1/z' difference) / q_z(nearest) apart.
-  [[nodiscard]] bool Agrees(const Pixel& pixel, float nearest, float tolerance) const {
+  [[nodiscard]] bool Agrees(std::size_t i, float nearest, float tolerance) const {
     const Eigen::Vector3d& e = source_.source_from_target.e();
     const auto ez = static_cast<float>(e[2]);
-    const float step = nearest - pixel.inverse_depth;
-    const float bound = tolerance * (pixel.depth_ratio + ez * step);
-    const float dx = (static_cast<float>(e[0]) - pixel.x * ez) * step;
-    const float dy = (static_cast<float>(e[1]) - pixel.y * ez) * step;
+    const float step = nearest - inverse_depth_[i];
+    const float bound = tolerance * (depth_ratio_[i] + ez * step);
+    const float dx = (static_cast<float>(e[0]) - x_[i] * ez) * step;
+    const float dy = (static_cast<float>(e[1]) - y_[i] * ez) * step;
     return bound > 0 && dx * dx + dy * dy <= bound * bound;
   }
 
@@ -89,7 +101,11 @@ class RowInSource {
   [[nodiscard]] std::size_t Width() const { return static_cast<std::size_t>(source_.inverse_depth.width()); }
 
   const Warped& source_;
-  std::vector<Pixel> pixels_;
+  std::vector<float> x_;  // pixel of the source picture
+  std::vector<float> y_;
+  std::vector<float> own_inverse_depth_;  // 1/z along the source's axis
+  std::vector<float> depth_ratio_;        // z / z'
+  const float* inverse_depth_;            // of the row
 };
 
 // Blends what the sources show, one row of the target after the other.
@@ -109,19 +125,16 @@ class Blender {
   }
 
   [[nodiscard]] Pixel Blend(int x) const {
+    const auto i = static_cast<std::size_t>(x);
     float nearest = 0;
-    for (const RowInSource& row : rows_) nearest = std::max(nearest, row.At(x).inverse_depth);
+    for (const RowInSource& row : rows_) nearest = std::max(nearest, row.InverseDepth(i));
     if (nearest == 0) return {};
     Sum clean;
     Sum doubtful;
     for (const RowInSource& row : rows_) {
-      const RowInSource::Pixel& there = row.At(x);
-      if (there.own_inverse_depth == 0) continue;
-      if (there.inverse_depth < nearest && !row.Agrees(there, nearest, tolerance_)) continue;
-      const Warped& source = row.source();
-      const SampledColour sample =
-          SampleSurface(source.colours, source.surface, there.x, there.y, there.own_inverse_depth);
-      (sample.clean ? clean : doubtful).Add(sample.colour, there.inverse_depth, source.weight);
+      if (!row.Shows(i) || (row.InverseDepth(i) < nearest && !row.Agrees(i, nearest, tolerance_))) continue;
+      const SampledColour sample = row.Sample(i);
+      (sample.clean ? clean : doubtful).Add(sample.colour, row.InverseDepth(i), row.weight());
     }
     if (clean.weight > 0) return clean.Mean(Known::kClean);
     if (doubtful.weight > 0) return doubtful.Mean(Known::kDoubtful);
@@ -187,7 +200,7 @@ Result<SynthesizedView> SynthesizeView(const std::vector<SourceView>& sources, c
   for (std::size_t i = 0; i < sources.size(); ++i) {
     Surface surface = ProjectSurface(*sources[i].depth, sources[i].camera, target, params.surface);
     Grid<float> inverse_depth = RenderInverseDepth(surface, target.width, target.height);
-    warped.push_back({std::move(surface), ColourOf(*sources[i].picture), std::move(inverse_depth),
+    warped.push_back({std::move(surface), sources[i].picture, std::move(inverse_depth),
                       Reprojection(target, sources[i].camera), static_cast<float>(weights[i])});
   }
 

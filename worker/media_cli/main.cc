@@ -1,6 +1,8 @@
 // depthfarm-media: the commands that touch pixels. One table of commands, each parsing its options and calling a
 // library; the only translation unit that sees CLI11.
 
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -227,6 +229,10 @@ int Run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Pictures and maps are made and dropped by the dozen: giving their memory back to the system and asking for it again,
+  // page by page, would cost a fifth of the time of a virtual view.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   try {
     return Run(argc, argv);
   } catch (const std::exception& error) {
