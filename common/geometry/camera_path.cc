@@ -58,6 +58,7 @@ Camera CameraPath::At(double position, const std::string& name) const {
 
 std::vector<Camera> CameraPath::Sample(int count) const {
   std::vector<Camera> cameras;
+  cameras.reserve(static_cast<std::size_t>(std::max(count, 0)));
   const auto length = static_cast<double>(stops_.size() - 1);
   for (int i = 0; i < count; ++i)
     cameras.push_back(At(count > 1 ? length * i / (count - 1) : 0.5 * length, "view " + std::to_string(i)));

@@ -20,6 +20,7 @@ struct PlaneSource {
 
 std::vector<PlaneSource> Prepare(const std::vector<PictureView>& sources, const Camera& target) {
   std::vector<Camera> cameras;
+  cameras.reserve(sources.size());
   for (const PictureView& source : sources) cameras.push_back(source.camera);
   const std::vector<double> weights = NearnessWeights(cameras, target);
   std::vector<PlaneSource> result;
@@ -51,7 +52,7 @@ std::array<float, 3> ColourAt(const std::vector<PlaneSource>& sources, int x, in
   return result;
 }
 
-std::uint8_t Rounded(float value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F) + 0.5F); }
+std::uint8_t Rounded(float value) { return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 255.0F))); }
 
 double CoarseError(const std::vector<PlaneSource>& sources, const PictureView& target, const LevelsInView& in_target,
                    double depth_in_ref) {

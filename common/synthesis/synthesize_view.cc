@@ -154,7 +154,10 @@ class Blender {
     }
     [[nodiscard]] Pixel Mean(Known known) const {
       const float scale = 1 / weight;
-      const auto rounded = [scale](float value) { return static_cast<std::uint8_t>(value * scale + 0.5F); };
+      const auto rounded = [scale](float value) {
+        const float half_up = value * scale + 0.5F;  // values are not negative; std::lround is a call
+        return static_cast<std::uint8_t>(half_up);
+      };
       return {known, {rounded(colour[0]), rounded(colour[1]), rounded(colour[2]), 0}, weight / inverse_depth};
     }
   };

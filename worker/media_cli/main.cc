@@ -229,8 +229,8 @@ int Run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Pictures and maps are made and dropped by the dozen: giving their memory back to the system and asking for it again,
-  // page by page, would cost a fifth of the time of a virtual view.
+  // Pictures and maps are made and dropped by the dozen: giving their memory back to the system and asking for it
+  // again, page by page, would cost a fifth of the time of a virtual view.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   try {
