@@ -48,6 +48,7 @@ TEST(CameraPath, BetweenTwoStopsIsAStraightLineAtTheHalfwayTurn) {
 
 TEST(CameraPath, FollowsAnArcAndHasNoKinks) {
   std::vector<Camera> stops;
+  stops.reserve(6);
   for (int i = 0; i < 6; ++i) stops.push_back(OnCircle("s", 0.2 * i));
   const CameraPath path = CameraPath::Create(stops).value();
   EXPECT_NEAR(CenterInWorld(path.At(2.5, "")).norm(), 2, 2e-3);  // the chord's middle is at 1.99

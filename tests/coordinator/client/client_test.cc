@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <stop_token>
 #include <thread>
 
@@ -80,9 +81,9 @@ std::unique_ptr<Client> ClientOf(const FakeCoordinator& coordinator, ClientCallO
 }
 
 TEST(Client, SubmitsWhatItIsGivenAndReturnsTheJobId) {
-  v1::SubmitJob received;
+  std::promise<v1::SubmitJob> question_received;
   const FakeCoordinator coordinator([&](const v1::Envelope& question) {
-    received = question.submit_job();
+    question_received.set_value(question.submit_job());
     v1::Envelope answer;
     answer.mutable_job_accepted()->set_job_id(42);
     return Answers{answer};
@@ -96,6 +97,7 @@ TEST(Client, SubmitsWhatItIsGivenAndReturnsTheJobId) {
   const Result<std::uint64_t> job_id = ClientOf(coordinator)->Submit(submission);
   ASSERT_TRUE(job_id.ok()) << job_id.status().message();
   EXPECT_EQ(*job_id, 42U);
+  const v1::SubmitJob received = question_received.get_future().get();
   EXPECT_EQ(received.sequence().name(), "ballet");
   EXPECT_EQ(received.params().levels(), 64U);
   EXPECT_EQ(received.output_dir(), "/out");
