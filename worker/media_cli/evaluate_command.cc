@@ -65,7 +65,7 @@ Result<std::vector<Target>> ChooseTargets(const EvaluateCommandOptions& options,
       if (!target.from.empty()) targets.push_back(std::move(target));
     }
     if (targets.empty()) {
-      notes.push_back("no camera with pictures lies between two that have depth: no virtual view is measured");
+      notes.emplace_back("no camera with pictures lies between two that have depth: no virtual view is measured");
     }
     return targets;
   }
@@ -192,6 +192,7 @@ Status MeasureTarget(const SequenceWithDepth& input, const Target& target, Frame
   }
   if (frame.frame() == input.first_frame) {
     std::vector<PictureView> pictures;
+    pictures.reserve(sources.size());
     for (const SourceView& source : sources) pictures.push_back({source.picture, source.camera});
     DEPTHFARM_ASSIGN_OR_RETURN(const SinglePlane plane, BestSinglePlane(pictures, {real, camera}, *input.levels));
     report.single_plane_psnr = PsnrVideoRange(plane.error);

@@ -231,8 +231,8 @@ int Run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // Pictures and maps are made and dropped by the dozen: giving their memory back to the system and asking for it
   // again, page by page, would cost a fifth of the time of a virtual view.
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);  // NOLINT(concurrency-mt-unsafe): no other thread yet
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);  // NOLINT(concurrency-mt-unsafe)
   try {
     return Run(argc, argv);
   } catch (const std::exception& error) {
