@@ -22,7 +22,10 @@ std::uint64_t TasksDone(const v1::JobStatus& job) {
 }
 
 // Long enough that something can happen in the middle: 4 GOPs, finer segments.
-Words LongerJob() { return {"--segments", "1500", "--levels", "48", "--gop", "2", "--level-blocks", "4"}; }
+Words LongerJob(int blocks = 4, const char* partition = "interleaved") {
+  return {"--segments",           "1500",        "--levels", "48", "--gop", "2", "--level-blocks",
+          std::to_string(blocks), "--partition", partition};
+}
 
 class Failure : public testing::Test {
  protected:
@@ -31,14 +34,13 @@ class Failure : public testing::Test {
   // What the longer job gives when nothing goes wrong.
   std::map<std::string, std::string> Undisturbed() {
     const std::string output = folder_ / "undisturbed";
-    const Outcome run = Depthfarm(Words{"run", sequence_, "-o", output, "--workers", "2"} + LongerJob());
+    const Outcome run = Depthfarm(Words{"run", sequence_, "-o", output, "--workers", "2"} + job_);
     EXPECT_EQ(run.exit_code, 0) << run.output;
     return DepthOf(output);
   }
 
   std::uint64_t Submit(Farm& farm, const std::string& output) {
-    const Outcome submitted =
-        Depthfarm(Words{"submit", sequence_, "-o", output, "--json"} + LongerJob() + farm.Options());
+    const Outcome submitted = Depthfarm(Words{"submit", sequence_, "-o", output, "--json"} + job_ + farm.Options());
     EXPECT_EQ(submitted.exit_code, 0) << submitted.output << farm.Logs();
     const nlohmann::json json = ParseJsonTail(submitted.output);
     return json.contains("job") ? json["job"].get<std::uint64_t>() : 0;
@@ -69,13 +71,29 @@ class Failure : public testing::Test {
 
   TemporaryFolder folder_;
   std::string sequence_;
+  Words job_ = LongerJob();
 };
 
-// Killed after so many tasks of about 200: while the first frames are analysed and cut, while they are refined.
-class KilledWorker : public Failure, public testing::WithParamInterface<int> {};
-INSTANTIATE_TEST_SUITE_P(After, KilledWorker, testing::Values(6, 40, 100), testing::PrintToStringParamName());
+// Killed after so many tasks of about 200 (6: while the first frames are analysed and cut; 40, 100: while they are
+// refined), and in the middle of every way to split the levels.
+struct Kill {
+  int tasks;
+  int blocks;
+  const char* partition;
+};
+class KilledWorker : public Failure, public testing::WithParamInterface<Kill> {};
+INSTANTIATE_TEST_SUITE_P(After, KilledWorker,
+                         testing::Values(Kill{6, 4, "interleaved"}, Kill{40, 4, "interleaved"},
+                                         Kill{100, 4, "interleaved"}, Kill{25, 1, "interleaved"},
+                                         Kill{25, 2, "interleaved"}, Kill{25, 6, "interleaved"}, Kill{25, 1, "blocks"},
+                                         Kill{25, 2, "blocks"}, Kill{25, 4, "blocks"}, Kill{25, 6, "blocks"}),
+                         [](const testing::TestParamInfo<Kill>& kill) {
+                           return std::to_string(kill.param.tasks) + "TasksOf" + kill.param.partition +
+                                  std::to_string(kill.param.blocks);
+                         });
 
 TEST_P(KilledWorker, LeavesDepthByteIdentical) {
+  job_ = LongerJob(GetParam().blocks, GetParam().partition);
   const auto expected = Undisturbed();
   ASSERT_THAT(expected, SizeIs(3 * 8 + 1));
   Farm farm;
@@ -84,7 +102,7 @@ TEST_P(KilledWorker, LeavesDepthByteIdentical) {
   const int victim = farm.AddWorker();
   const std::string output = folder_ / "disturbed";
   const std::uint64_t job_id = Submit(farm, output);
-  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, static_cast<std::uint64_t>(GetParam())));
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, static_cast<std::uint64_t>(GetParam().tasks)));
   farm.worker(victim).Signal(SIGKILL);
   const v1::JobStatus last = WaitForTheEnd(farm, job_id);
   EXPECT_EQ(last.state(), v1::JOB_STATE_DONE) << last.error().message() << "\n" << farm.Logs();

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kPaperLevels = 250;
 constexpr double kSameCalibration = 1e-6;  // of a focal length, a rotation's entry, the size of the translation
+constexpr double kSameWay = 0.5;           // cosine of two axes: 60 degrees, as ChooseNeighbours
 constexpr float kSameSurface = 0.02F;      // depths within this share of each other are averaged when downscaling
 
 std::optional<double> NumberParameter(const DepthManifest& manifest, const std::string& key) {
@@ -159,6 +160,45 @@ GroundTruthFrame Downscaled(const GroundTruthFrame& truth, int factor) {
   return result;
 }
 
+// The views with pictures and depth that a target may be synthesised from; views are indices into `views`.
+class Candidates {
+ public:
+  Candidates(const SequenceWithDepth& input, const Camera& target, int except) : input_(input), cameras_{target} {
+    for (std::size_t i = 0; i < input.views.size(); ++i) {
+      const SequenceWithDepth::View& view = input.views[i];
+      if (view.depth == nullptr || view.in_sequence->images.empty() || static_cast<int>(i) == except) continue;
+      cameras_.push_back(view.camera);
+      views_.push_back(static_cast<int>(i));
+    }
+  }
+
+  // ChooseNeighbours of the target.
+  [[nodiscard]] std::vector<int> Choose(int most) const {
+    std::vector<int> chosen = ChooseNeighbours(cameras_, *input_.levels, most).front();
+    for (int& index : chosen) index = views_[static_cast<std::size_t>(index - 1)];
+    return chosen;
+  }
+  // Those that ChooseNeighbours leaves out because they show no parallax, though they see the scene.
+  [[nodiscard]] std::vector<int> InTheSamePlace() const {
+    std::vector<int> result;
+    for (const int view : views_) {
+      const Eigen::Vector3d step = Baseline(view);
+      const Camera& camera = input_.views[static_cast<std::size_t>(view)].camera;
+      const double cosine = OrderedDot(OpticalAxisInWorld(camera), OpticalAxisInWorld(cameras_.front()));
+      if (OrderedDot(step, step) == 0 && cosine > kSameWay) result.push_back(view);
+    }
+    return result;
+  }
+  [[nodiscard]] Eigen::Vector3d Baseline(int view) const {
+    return CenterInWorld(input_.views[static_cast<std::size_t>(view)].camera) - CenterInWorld(cameras_.front());
+  }
+
+ private:
+  const SequenceWithDepth& input_;
+  std::vector<Camera> cameras_;  // the target, then the candidates
+  std::vector<int> views_;       // of the candidates
+};
+
 }  // namespace
 
 Status ReadSequenceWithDepth(const std::string& sequence_file, const std::string& depth_dir, SequenceWithDepth& input) {
@@ -186,39 +226,22 @@ Result<int> FindView(const SequenceWithDepth& input, const std::string& name) {
 }
 
 std::vector<int> SidesOf(const SequenceWithDepth& input, int target) {
-  std::vector<Camera> cameras = {input.views[static_cast<std::size_t>(target)].camera};
-  std::vector<int> indices = {target};
-  for (std::size_t i = 0; i < input.views.size(); ++i) {
-    if (input.views[i].depth == nullptr || static_cast<int>(i) == target) continue;
-    cameras.push_back(input.views[i].camera);
-    indices.push_back(static_cast<int>(i));
-  }
-  const std::vector<int> chosen = ChooseNeighbours(cameras, *input.levels, 2).front();
+  const Candidates candidates(input, input.views[static_cast<std::size_t>(target)].camera, target);
+  const std::vector<int> chosen = candidates.Choose(2);
   if (chosen.size() != 2) return {};
-  const Eigen::Vector3d centre = CenterInWorld(cameras.front());
-  const Eigen::Vector3d first = CenterInWorld(cameras[static_cast<std::size_t>(chosen[0])]) - centre;
-  const Eigen::Vector3d second = CenterInWorld(cameras[static_cast<std::size_t>(chosen[1])]) - centre;
+  const Eigen::Vector3d first = candidates.Baseline(chosen[0]);
+  const Eigen::Vector3d second = candidates.Baseline(chosen[1]);
   if (OrderedDot(first, second) >= 0) return {};  // both on one side, e.g. at the corner of a grid
-  return {indices[static_cast<std::size_t>(chosen[0])], indices[static_cast<std::size_t>(chosen[1])]};
+  return chosen;
 }
 
 std::vector<int> SourcesFor(const SequenceWithDepth& input, const Camera& target, int count, int except) {
-  std::vector<int> sources;
-  std::vector<Camera> cameras = {target};
-  std::vector<int> indices = {-1};
-  for (std::size_t i = 0; i < input.views.size(); ++i) {
-    const SequenceWithDepth::View& view = input.views[i];
-    if (view.depth == nullptr || view.in_sequence->images.empty() || static_cast<int>(i) == except) continue;
-    cameras.push_back(view.camera);
-    indices.push_back(static_cast<int>(i));
-    const Eigen::Vector3d step = CenterInWorld(view.camera) - CenterInWorld(target);
-    if (OrderedDot(step, step) == 0) sources.push_back(static_cast<int>(i));
-  }
-  const auto choose = [&](int most) { return ChooseNeighbours(cameras, *input.levels, most).front(); };
-  std::vector<int> chosen = choose(count);
+  const Candidates candidates(input, target, except);
+  std::vector<int> sources = candidates.InTheSamePlace();
+  std::vector<int> chosen = candidates.Choose(count);
   if (static_cast<int>(chosen.size()) < count)
-    chosen = choose(std::max(count, 3));  // beyond the array: all on one side
-  for (const int i : chosen) sources.push_back(indices[static_cast<std::size_t>(i)]);
+    chosen = candidates.Choose(std::max(count, 3));  // beyond the array: all on one side
+  sources.insert(sources.end(), chosen.begin(), chosen.end());
   if (static_cast<int>(sources.size()) > count) sources.resize(static_cast<std::size_t>(count));
   return sources;
 }

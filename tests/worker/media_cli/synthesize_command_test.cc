@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 
@@ -184,6 +185,21 @@ TEST_F(SynthesizeCommandTest, SaysWhatIsWrong) {
   options.path = {"cam1"};
   EXPECT_THAT(Failure(options), HasSubstr("at least two cameras"));
   EXPECT_FALSE(fs::exists(options.output));
+}
+
+TEST_F(SynthesizeCommandTest, ACameraInTheSamePlaceThatLooksAwayIsNoSource) {
+  std::ifstream stream(scene_->sequence_file());
+  nlohmann::json camera = nlohmann::json::parse(stream)["cameras"][1];
+  for (const char* key : {"format", "range", "images"}) camera.erase(key);
+  for (const int row : {0, 2}) {  // half a turn about the vertical: the centre -R^T t stays if t turns too
+    for (nlohmann::json& value : camera["R"][row]) value = -value.get<double>();
+    camera["t"][row] = -camera["t"][row].get<double>();
+  }
+  const std::string file = scene_->File("back.json");
+  std::ofstream(file) << camera;
+  SynthesizeCommandOptions options = Options("back");
+  options.camera_file = file;
+  EXPECT_THAT(Failure(options), HasSubstr("no camera with depth sees what 'cam1' does"));
 }
 
 TEST_F(SynthesizeCommandTest, ACameraThatLooksAwayNeedsSources) {
