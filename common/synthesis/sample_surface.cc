@@ -50,7 +50,7 @@ struct FourColours {
   ColourVector a, b, c, d;
 };
 
-// Four neighbours of a row.
+// Four neighbours of a row. Bytes are widened by putting zeros behind them: little-endian.
 FourColours Load(const Ycbcr* pixels) {
   static_assert(sizeof(Ycbcr) == 4);
   Bytes bytes;

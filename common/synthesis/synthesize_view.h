@@ -30,7 +30,7 @@ struct SynthesizedView {
 // target (z-buffer, sub-pixel), its colour fetched back from the source picture on the same surface, the sources
 // blended by the nearness of their cameras where they agree in depth, and what none saw filled from the background.
 // Errors  kInvalidArgument: no source, or a picture or depth map whose size isn't its camera's.
-// Work    linear in the pixels; a quarter of a second for two 1024 x 768 sources on one core.
+// Work    linear in the pixels; a tenth of a second for two 1024 x 768 sources on one core.
 [[nodiscard]] Result<SynthesizedView> SynthesizeView(const std::vector<SourceView>& sources, const Camera& target,
                                                      const SynthesisParams& params = {});
 
