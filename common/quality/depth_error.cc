@@ -28,7 +28,7 @@ double Percent(std::int64_t part, std::int64_t whole) {
 
 void AddPixel(const PixelError& error, DepthErrorFigures& figures) {
   ++figures.pixels;
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < DepthErrorFigures::kBadPx.size(); ++i) {
     if (!error.estimated || error.levels > DepthErrorFigures::kBadLevels[i]) ++figures.bad_levels[i];
     if (!error.estimated || error.px > DepthErrorFigures::kBadPx[i]) ++figures.bad_px[i];
   }
@@ -89,7 +89,7 @@ Status CheckSize(const Grid<T>* grid, const Camera& camera, const std::string& w
 void DepthErrorFigures::Add(const DepthErrorFigures& other) {
   pixels += other.pixels;
   estimated += other.estimated;
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < bad_levels.size(); ++i) {
     bad_levels[i] += other.bad_levels[i];
     bad_px[i] += other.bad_px[i];
   }

@@ -17,14 +17,14 @@ namespace depthfarm {
 
 // Error of estimated depth over some pixels of known truth. Raw sums, so that frames and views add up.
 struct DepthErrorFigures {
-  static constexpr std::array<double, 3> kBadLevels = {1, 2, 4};
-  static constexpr std::array<double, 3> kBadPx = {0.5, 1, 2};
+  static constexpr std::array<double, 4> kBadLevels = {0.5, 1, 2, 4};
+  static constexpr std::array<double, 4> kBadPx = {0.5, 1, 2, 4};
 
   std::int64_t pixels = 0;     // with known truth
   std::int64_t estimated = 0;  // of these, with an estimate
   // Pixels off by more than kBadLevels / kBadPx. A pixel without an estimate is bad in each.
-  std::array<std::int64_t, 3> bad_levels = {};
-  std::array<std::int64_t, 3> bad_px = {};
+  std::array<std::int64_t, 4> bad_levels = {};
+  std::array<std::int64_t, 4> bad_px = {};
   double px_sum = 0;  // these sums run over estimated pixels
   double px_squared_sum = 0;
   double level_sum = 0;

@@ -60,9 +60,10 @@ TEST_F(DepthErrorTest, APlaneShiftedByThreeLevelsIsOffByThree) {
   EXPECT_NEAR(all.RmseLevels(), 3, 1e-4);
   EXPECT_NEAR(all.MeanPx(), 0.6, 1e-4);
   EXPECT_NEAR(all.RmsePx(), 0.6, 1e-4);
-  EXPECT_DOUBLE_EQ(all.BadLevelsPercent(0), 100);
-  EXPECT_DOUBLE_EQ(all.BadLevelsPercent(1), 100);
-  EXPECT_DOUBLE_EQ(all.BadLevelsPercent(2), 0);
+  for (const std::size_t half_one_and_two : {0, 1, 2}) {
+    EXPECT_DOUBLE_EQ(all.BadLevelsPercent(half_one_and_two), 100);
+  }
+  EXPECT_DOUBLE_EQ(all.BadLevelsPercent(3), 0);
   EXPECT_DOUBLE_EQ(all.BadPxPercent(0), 100);
   EXPECT_DOUBLE_EQ(all.BadPxPercent(1), 0);
   EXPECT_DOUBLE_EQ(all.CompletenessPercent(), 100);
@@ -74,8 +75,8 @@ TEST_F(DepthErrorTest, AMissingEstimateIsBadAndLowersCompleteness) {
     for (int x = 0; x < kWidth; ++x) estimated(x, y) = 0;
   }
   const DepthErrorFigures all = Group(Measure(estimated, PlaneAt(20)), "all");
-  EXPECT_DOUBLE_EQ(all.BadLevelsPercent(2), 50);
-  EXPECT_DOUBLE_EQ(all.BadPxPercent(2), 50);
+  EXPECT_DOUBLE_EQ(all.BadLevelsPercent(3), 50);
+  EXPECT_DOUBLE_EQ(all.BadPxPercent(3), 50);
   EXPECT_DOUBLE_EQ(all.CompletenessPercent(), 50);
   EXPECT_NEAR(all.MeanPx(), 0, 1e-9);
 }
