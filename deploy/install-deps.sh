@@ -10,6 +10,7 @@ build_packages=(
   libzmq3-dev cppzmq-dev
   libprotobuf-dev protobuf-compiler
   libssl-dev libzstd-dev
+  libavcodec-dev libavformat-dev libavutil-dev
   nlohmann-json3-dev libcli11-dev libspdlog-dev
 )
 test_packages=(libgtest-dev libgmock-dev libboost-graph-dev)
