@@ -4,20 +4,25 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <memory>
 #include <ostream>
 #include <string>
 
 #include "common/files/atomic_file.h"
 #include "common/geometry/neighbours.h"
 #include "common/media/colour_map.h"
+#include "common/quality/iv_psnr.h"
 #include "common/quality/masks.h"
 #include "common/quality/psnr.h"
 #include "common/quality/single_plane.h"
 #include "common/quality/ssim.h"
+#include "common/quality/stability.h"
 #include "common/scene/zone.h"
 #include "common/sequence/frame_name.h"
 #include "common/synthesis/synthesize_view.h"
+#include "worker/media_cli/evaluate_rates.h"
 #include "worker/media_cli/evaluate_report.h"
+#include "worker/media_cli/evaluate_targets.h"
 #include "worker/media_cli/sequence_with_depth.h"
 #include "worker/media_cli/text_table.h"
 
@@ -28,88 +33,6 @@ namespace {
 constexpr int kPanelReachPx = 24;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// A view to synthesise; indices into SequenceWithDepth::views.
-struct Target {
-  int view = 0;
-  std::vector<int> from;
-};
-
-const Camera& CameraOf(const SequenceWithDepth& input, int view) {
-  return input.views[static_cast<std::size_t>(view)].camera;
-}
-
-Status RestrictFrames(const EvaluateCommandOptions& options, SequenceWithDepth& input) {
-  const std::string have = std::to_string(input.first_frame) + ":" + std::to_string(input.end_frame);
-  const int end = options.end_frame < 0 ? input.end_frame : options.end_frame;
-  // 0 is the default: "from the first frame that has depth" for a run over later frames.
-  const int first = options.first_frame == 0 ? input.first_frame : options.first_frame;
-  if (first < input.first_frame || end > input.end_frame || first >= end) {
-    return InvalidArgument("frames " + std::to_string(first) + ":" + std::to_string(end) + " are asked for, " +
-                           input.depth_dir + " has depth of " + have);
-  }
-  input.first_frame = first;
-  input.end_frame = end;
-  return {};
-}
-
-Result<std::vector<Target>> ChooseTargets(const EvaluateCommandOptions& options, const SequenceWithDepth& input,
-                                          std::vector<std::string>& notes) {
-  if (options.view.empty() && !options.from.empty()) {
-    return InvalidArgument("--from needs --view: which camera is to be synthesised from them?");
-  }
-  std::vector<Target> targets;
-  if (options.view.empty()) {
-    for (std::size_t i = 0; i < input.views.size(); ++i) {
-      if (input.views[i].in_sequence->images.empty()) continue;
-      Target target{static_cast<int>(i), SidesOf(input, static_cast<int>(i))};
-      if (!target.from.empty()) targets.push_back(std::move(target));
-    }
-    if (targets.empty()) {
-      notes.emplace_back("no camera with pictures lies between two that have depth: no virtual view is measured");
-    }
-    return targets;
-  }
-  Target target;
-  DEPTHFARM_ASSIGN_OR_RETURN(target.view, FindView(input, options.view));
-  for (const std::string& name : options.from) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const int source, FindView(input, name));
-    if (source == target.view) return InvalidArgument("camera '" + name + "' is both --view and one of --from");
-    if (input.views[static_cast<std::size_t>(source)].depth == nullptr) {
-      return InvalidArgument("there is no depth of camera '" + name + "' in " + input.depth_dir);
-    }
-    target.from.push_back(source);
-  }
-  if (options.from.empty()) {
-    target.from = SidesOf(input, target.view);
-    if (target.from.empty()) {
-      return InvalidArgument("camera '" + options.view +
-                             "' doesn't lie between two that have depth: name its sources with --from");
-    }
-  }
-  targets.push_back(std::move(target));
-  return targets;
-}
-
-// The sources of a target in one frame, with estimated or exact depth. Empty if the exact depth of one isn't known.
-Result<std::vector<SourceView>> Sources(const SequenceWithDepth& input, const Target& target, bool exact,
-                                        FrameWithDepth& frame) {
-  std::vector<SourceView> sources;
-  for (const int view : target.from) {
-    SourceView source;
-    source.camera = CameraOf(input, view);
-    DEPTHFARM_ASSIGN_OR_RETURN(source.picture, frame.Picture(view));
-    if (exact) {
-      DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* truth, frame.Truth(view));
-      if (truth == nullptr) return std::vector<SourceView>{};
-      source.depth = &truth->depth;
-    } else {
-      DEPTHFARM_ASSIGN_OR_RETURN(source.depth, frame.Depth(view));
-    }
-    sources.push_back(source);
-  }
-  return sources;
-}
-
 PictureFigures Compare(const SynthesizedView& view, const YcbcrImage& real, const GroundTruthFrame* truth) {
   const PixelMask seen = Inverted(view.holes);
   const LumaError whole = MeasureLumaError(view.picture, real);
@@ -119,6 +42,7 @@ PictureFigures Compare(const SynthesizedView& view, const YcbcrImage& real, cons
   figures.psnr_non_hole = PsnrVideoRange(MeasureLumaError(view.picture, real, &seen));
   figures.psnr_outside_panels = kNaN;
   figures.ssim = Ssim(view.picture, real);
+  figures.iv_psnr = IvPsnr(view.picture, real);
   figures.holes_percent = 100 * ShareSet(view.holes);
   if (truth != nullptr && !truth->zones.empty()) {
     const PixelMask panels = PixelsOfZone(truth->zones, static_cast<std::uint8_t>(Zone::kPanel));
@@ -165,12 +89,12 @@ Status WriteDepthPicture(const SequenceWithDepth& input, int view, FrameWithDept
   return writer.Write(camera.camera.name, frame.frame(), "depth", colours);
 }
 
-Status MeasureTarget(const SequenceWithDepth& input, const Target& target, FrameWithDepth& frame,
+Status MeasureTarget(const SequenceWithDepth& input, const EvaluateTarget& target, FrameWithDepth& frame,
                      const PictureWriter& writer, TargetReport& report) {
   const Camera& camera = CameraOf(input, target.view);
   DEPTHFARM_ASSIGN_OR_RETURN(const YcbcrImage* real, frame.Picture(target.view));
   DEPTHFARM_ASSIGN_OR_RETURN(const GroundTruthFrame* truth, frame.Truth(target.view));
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<SourceView> sources, Sources(input, target, false, frame));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<SourceView> sources, SourcesOf(input, target, false, frame));
   DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView estimated, SynthesizeView(sources, camera));
   report.estimated.push_back(Compare(estimated, *real, truth));
   if (writer.on()) {
@@ -182,7 +106,7 @@ Status MeasureTarget(const SequenceWithDepth& input, const Target& target, Frame
     for (const int source : target.from) DEPTHFARM_RETURN_IF_ERROR(WriteDepthPicture(input, source, frame, writer));
   }
 
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<SourceView> exact_sources, Sources(input, target, true, frame));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<SourceView> exact_sources, SourcesOf(input, target, true, frame));
   if (!exact_sources.empty()) {
     DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView exact, SynthesizeView(exact_sources, camera));
     report.exact.push_back(Compare(exact, *real, truth));
@@ -201,7 +125,7 @@ Status MeasureTarget(const SequenceWithDepth& input, const Target& target, Frame
 }
 
 // Agreement of two views, both directions. With exact depth of both, that says which pixels are occluded.
-Status MeasureSourceAgreement(const SequenceWithDepth& input, const Target& target, FrameWithDepth& frame,
+Status MeasureSourceAgreement(const SequenceWithDepth& input, const EvaluateTarget& target, FrameWithDepth& frame,
                               AgreementFigures& sum, bool& by_exact_depth) {
   for (const auto& [from, to] : {std::pair{target.from[0], target.from[1]}, {target.from[1], target.from[0]}}) {
     ViewDepth view{nullptr, CameraOf(input, from)};
@@ -270,6 +194,53 @@ Status MeasureDepths(const SequenceWithDepth& input, FrameWithDepth& frame, std:
   return {};
 }
 
+// Depth of every view with pictures against that of the frame before.
+Status MeasureStabilities(const SequenceWithDepth& input, FrameWithDepth& before, FrameWithDepth& now,
+                          std::vector<ViewStabilityReport>& reports) {
+  for (std::size_t i = 0; i < input.views.size(); ++i) {
+    const int view = static_cast<int>(i);
+    if (input.views[i].depth == nullptr || input.views[i].in_sequence->images.empty()) continue;
+    DEPTHFARM_ASSIGN_OR_RETURN(const YcbcrImage* old_picture, before.Picture(view));
+    DEPTHFARM_ASSIGN_OR_RETURN(const YcbcrImage* picture, now.Picture(view));
+    DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap* old_depth, before.Depth(view));
+    DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap* depth, now.Depth(view));
+    const PixelMask still = StillPixels(*old_picture, *picture);
+    const std::string& name = CameraOf(input, view).name;
+    const auto same = std::find_if(reports.begin(), reports.end(), [&](const auto& r) { return r.view == name; });
+    ViewStabilityReport& report = same == reports.end() ? reports.emplace_back(ViewStabilityReport{name, {}}) : *same;
+    report.figures.Add(MeasureStability(*old_depth, {depth, CameraOf(input, view)}, still, *input.levels));
+  }
+  return {};
+}
+
+// Bit rates, and those of the folder to compare with, of the same views and frames.
+Status MeasureAllRates(const EvaluateCommandOptions& options, const SequenceWithDepth& input,
+                       const std::vector<EvaluateTarget>& targets, EvaluateReport& report) {
+  DEPTHFARM_ASSIGN_OR_RETURN(report.rates, MeasureRates(input, targets, input));
+  if (options.against.empty()) return {};
+  SequenceWithDepth other;
+  DEPTHFARM_RETURN_IF_ERROR(ReadSequenceWithDepth(options.sequence, options.against, other));
+  if (other.downscale != input.downscale) {
+    return InvalidArgument(options.against + " has depth of pictures downscaled by " + std::to_string(other.downscale) +
+                           ", " + options.depth_dir + " by " + std::to_string(input.downscale) +
+                           ": their bits cannot be compared");
+  }
+  EvaluateCommandOptions frames = options;
+  frames.first_frame = input.first_frame;
+  frames.end_frame = input.end_frame;
+  DEPTHFARM_RETURN_IF_ERROR(RestrictFrames(frames, other));
+  for (const EvaluateTarget& target : targets) {
+    for (const int source : target.from) {
+      if (other.views[static_cast<std::size_t>(source)].depth != nullptr) continue;
+      return InvalidArgument("there is no depth of camera '" + CameraOf(input, source).name + "' in " +
+                             options.against);
+    }
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(const RateReport anchor, MeasureRates(other, targets, input));
+  report.against = Compare(options.against, anchor, *report.rates);
+  return {};
+}
+
 double LargestLevelPx(const SequenceWithDepth& input) {
   double largest = 0;
   for (std::size_t i = 0; i < input.views.size(); ++i) {
@@ -295,8 +266,8 @@ Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
   report.levels = input.levels->count();
   report.level_px = LargestLevelPx(input);
   report.notes = input.sequence.warnings;
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<Target> targets, ChooseTargets(options, input, report.notes));
-  for (const Target& target : targets) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<EvaluateTarget> targets, ChooseTargets(options, input, report.notes));
+  for (const EvaluateTarget& target : targets) {
     TargetReport entry;
     entry.view = CameraOf(input, target.view).name;
     for (const int source : target.from) entry.from.push_back(CameraOf(input, source).name);
@@ -305,20 +276,26 @@ Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
   }
 
   const PictureWriter writer(options.pictures_dir);
+  std::unique_ptr<FrameWithDepth> before;
   for (int f = input.first_frame; f < input.end_frame; ++f) {
-    FrameWithDepth frame(input, f);
+    auto frame = std::make_unique<FrameWithDepth>(input, f);
     for (std::size_t i = 0; i < targets.size(); ++i) {
       TargetReport& entry = report.targets[i];
-      DEPTHFARM_RETURN_IF_ERROR(MeasureTarget(input, targets[i], frame, writer, entry));
+      DEPTHFARM_RETURN_IF_ERROR(MeasureTarget(input, targets[i], *frame, writer, entry));
       if (!entry.agreement) continue;
       DEPTHFARM_RETURN_IF_ERROR(
-          MeasureSourceAgreement(input, targets[i], frame, *entry.agreement, report.agreement_by_exact_depth));
+          MeasureSourceAgreement(input, targets[i], *frame, *entry.agreement, report.agreement_by_exact_depth));
     }
-    DEPTHFARM_RETURN_IF_ERROR(MeasureDepths(input, frame, report.depth));
+    DEPTHFARM_RETURN_IF_ERROR(MeasureDepths(input, *frame, report.depth));
+    if (before != nullptr) DEPTHFARM_RETURN_IF_ERROR(MeasureStabilities(input, *before, *frame, report.stability));
+    before = std::move(frame);
   }
   if (report.targets.empty() && report.depth.empty()) {
     return InvalidArgument("nothing can be measured: no camera of " + input.sequence.file +
                            " lies between two that have depth, and none has both depth and ground truth");
+  }
+  if (options.bit_rate || !options.against.empty()) {
+    DEPTHFARM_RETURN_IF_ERROR(MeasureAllRates(options, input, targets, report));
   }
 
   options.json ? PrintReportAsJson(report, out) : PrintReport(report, out);

@@ -19,20 +19,26 @@ struct EvaluateCommandOptions {
   int end_frame = -1;             // one past the last, -1: to the end
   bool json = false;              // else a table for people
   std::string pictures_dir;       // empty: write no pictures
+  bool bit_rate = false;          // HEVC bits of the virtual views and of their sources' depth
+  std::string against;            // folder with depth.json to compare the bits with; empty: none
   double min_psnr = 0;            // dB; 0: no bound
 };
 
 // Measures depth maps as the paper does (section V) and against ground truth, and writes the figures to `out`:
 //   virtual views   each target is synthesised from the pictures and depth of its neighbours (SynthesizeView) and
-//                   compared with its real picture: PSNR-Y, SSIM, holes; where the sources' exact depth is known the
-//                   same with that (the ceiling), and the best single plane (the floor, first frame);
+//                   compared with its real picture: PSNR-Y, IV-PSNR, SSIM, holes; where the sources' exact depth is
+//                   known the same with that (the ceiling), and the best single plane (the floor, first frame);
 //   agreement       of the two sources' depth (MeasureAgreement), both directions together;
-//   depth error     of every view with exact depth, by zone (MeasureDepthError).
+//   depth error     of every view with exact depth, by zone (MeasureDepthError);
+//   stability       how much depth changes from frame to frame where the picture does not (MeasureStability);
+//   bit rate        of virtual views and depth as HEVC (MeasureRates), and the Bjøntegaard delta against another
+//                   folder: of the same views, from the same sources, in the same frames.
 // Means over frames; depth errors over all pixels of all frames. Levels and their range come from the parameters that
 // depth.json records ("levels", "zNear", "zFar", "reference"), else from the sequence.
 // With `pictures_dir`: DIR/<view>/<frame>_{synthesised,real,difference,exact}.png (difference: |luma| x 4) and
 // DIR/<source>/<frame>_depth.png.
-// Errors  kInvalidArgument: bad options, or files that can't be read or don't fit together; kInternal: the mean PSNR-Y
+// Errors  kInvalidArgument: bad options (--against with another downscaling or without the sources' depth), or files
+// that can't be read or don't fit together; kInternal: the mean PSNR-Y
 //         of the targets is below `min_psnr` (after the figures were written), kUnavailable: pictures can't be written.
 [[nodiscard]] Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out);
 

@@ -41,6 +41,7 @@ std::vector<std::string> Row(const std::string& view, const std::string& from, c
           Decimal(f.psnr_full_range, 2),
           Decimal(f.psnr_non_hole, 2),
           Decimal(f.psnr_outside_panels, 2),
+          Decimal(f.iv_psnr, 2),
           Decimal(f.ssim, 4),
           Decimal(f.holes_percent, 2)};
 }
@@ -51,6 +52,7 @@ PictureFigures Difference(const PictureFigures& a, const PictureFigures& b) {
           a.psnr_non_hole - b.psnr_non_hole,
           a.psnr_outside_panels - b.psnr_outside_panels,
           a.ssim - b.ssim,
+          a.iv_psnr - b.iv_psnr,
           a.holes_percent - b.holes_percent};
 }
 
@@ -63,9 +65,10 @@ PictureFigures MeanExact(const EvaluateReport& report) {
 void PrintTargets(const EvaluateReport& report, std::ostream& out) {
   out << "\nVirtual views, each from its sources' pictures and depth (forward warping with z-buffer, blending by\n"
          "nearness, holes filled from the background), against the real picture. Means over frames.\n"
-         "PSNR: dB of luma in 16-235 (BT.601), peak 255; full: of full-range luma; SSIM: 11x11 Gaussian window.\n"
+         "PSNR: dB of luma in 16-235 (BT.601), peak 255; full: of full-range luma; IV-PSNR: Y, Cb, Cr in 16-235,\n"
+         "shifts of 2 px and 1 % of offset forgiven; SSIM: 11x11 Gaussian window.\n"
          "best plane: synthesis with the best single depth plane, first frame.\n";
-  TextTable table({"view", "from", "depth", "PSNR", "full", "non-hole", "off-panel", "SSIM", "holes %"}, 3);
+  TextTable table({"view", "from", "depth", "PSNR", "full", "non-hole", "off-panel", "IV-PSNR", "SSIM", "holes %"}, 3);
   for (const TargetReport& target : report.targets) {
     const PictureFigures estimated = MeanOf(target.estimated);
     table.Add(Row(target.view, Joined(target.from), "estimated", estimated));
@@ -114,23 +117,105 @@ void AddDepthRows(const std::string& name, const std::vector<DepthErrorGroup>& g
     const double pixels = static_cast<double>(groups.front().figures.pixels);
     table.Add({first ? name : "", group.name, Decimal(100.0 * static_cast<double>(f.pixels) / pixels, 1),
                Decimal(f.BadLevelsPercent(0), 1), Decimal(f.BadLevelsPercent(1), 1), Decimal(f.BadLevelsPercent(2), 1),
-               Decimal(f.BadPxPercent(0), 1), Decimal(f.BadPxPercent(1), 1), Decimal(f.BadPxPercent(2), 1),
-               Decimal(f.MeanPx(), 3), Decimal(f.RmsePx(), 3), Decimal(f.RmseLevels(), 2),
+               Decimal(f.BadLevelsPercent(3), 1), Decimal(f.BadPxPercent(0), 1), Decimal(f.BadPxPercent(1), 1),
+               Decimal(f.BadPxPercent(2), 1), Decimal(f.BadPxPercent(3), 1), Decimal(f.MeanPx(), 3),
+               Decimal(f.RmsePx(), 3), Decimal(f.MeanLevels(), 2), Decimal(f.RmseLevels(), 2),
                Decimal(f.CompletenessPercent(), 1)});
     first = false;
   }
 }
 
 void PrintDepth(const EvaluateReport& report, std::ostream& out) {
-  out << "\nDepth against exact depth. bad N: % of pixels off by more than N levels or N px (px in the nearest view; "
-         "a\n"
-         "pixel without depth is bad); mean and RMSE over pixels with depth.\n";
-  TextTable table({"view", "pixels", "share %", "bad 1 lv", "bad 2 lv", "bad 4 lv", "bad .5 px", "bad 1 px", "bad 2 px",
-                   "mean px", "RMSE px", "RMSE lv", "depth %"},
+  out << "\nDepth against exact depth: % of pixels off by more than N levels (lv) or N px in the nearest view; a "
+         "pixel\n"
+         "without depth is off. MAE: mean absolute error; it and RMSE over pixels with depth.\n";
+  TextTable table({"view", "pixels", "share %", ">.5 lv", ">1 lv", ">2 lv", ">4 lv", ">.5 px", ">1 px", ">2 px",
+                   ">4 px", "MAE px", "RMSE px", "MAE lv", "RMSE lv", "depth %"},
                   2);
   for (const ViewDepthReport& view : report.depth) AddDepthRows(view.view, view.groups, false, table);
   AddDepthRows("all views", SumOfViews(report), true, table);
   table.Print(out);
+}
+
+StabilityFigures SumOfStability(const EvaluateReport& report) {
+  StabilityFigures sum;
+  for (const ViewStabilityReport& view : report.stability) sum.Add(view.figures);
+  return sum;
+}
+
+void PrintStability(const EvaluateReport& report, std::ostream& out) {
+  out << "\nDepth from frame to frame where the picture does not change (7x7 mean of Y, Cb, Cr within 3 grey "
+         "levels).\n";
+  TextTable table({"view", "changed by > 1 level, %", "mean change, levels"}, 1);
+  const auto add = [&](const std::string& view, const StabilityFigures& figures) {
+    table.Add({view, Decimal(figures.ChangedPercent(), 2), Decimal(figures.MeanLevelDifference(), 3)});
+  };
+  for (const ViewStabilityReport& view : report.stability) add(view.view, view.figures);
+  add("all views", SumOfStability(report));
+  table.Print(out);
+}
+
+void PrintRates(const EvaluateReport& report, std::ostream& out) {
+  out << "\nHEVC, low delay (" << kRateEncoder << "): bits a picture (PSNR-Y of the coded picture, dB).\n";
+  std::vector<std::string> header = {"video", "view"};
+  for (const int qp : kRateQps) header.push_back("QP " + std::to_string(qp));
+  if (report.against) header.emplace_back("BD rate %");
+  TextTable table(std::move(header), 2);
+  const auto add = [&](const char* video, const std::vector<RateCurve>& curves, const std::vector<double>* deltas) {
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+      std::vector<std::string> row = {i == 0 ? video : "", curves[i].view};
+      for (const HevcRate& rate : curves[i].rates) {
+        row.push_back(Decimal(rate.bits_per_picture, 0) + " (" + Decimal(rate.psnr, 2) + ")");
+      }
+      if (deltas != nullptr) row.push_back(Decimal((*deltas)[i], 1));
+      table.Add(std::move(row));
+    }
+  };
+  add("virtual", report.rates->virtual_views, report.against ? &report.against->virtual_views_percent : nullptr);
+  add("depth", report.rates->depth, report.against ? &report.against->depth_percent : nullptr);
+  table.Print(out);
+  if (report.against) {
+    out << "BD rate: bits at equal PSNR against " << report.against->depth_dir
+        << "; below 0: fewer. Mean of the virtual "
+        << "views " << Decimal(MeanPercent(report.against->virtual_views_percent), 1) << " %, of the depth "
+        << Decimal(MeanPercent(report.against->depth_percent), 1) << " %.\n";
+  }
+}
+
+Json ToJson(const StabilityFigures& f) {
+  return {
+      {"stillPixels", f.still}, {"changedPercent", f.ChangedPercent()}, {"meanLevelChange", f.MeanLevelDifference()}};
+}
+
+Json ToJson(const std::vector<RateCurve>& curves) {
+  Json result = Json::object();
+  for (const RateCurve& curve : curves) {
+    Json points = Json::array();
+    for (const HevcRate& rate : curve.rates) {
+      points.push_back({{"qp", rate.qp}, {"bitsPerPicture", rate.bits_per_picture}, {"psnrY", rate.psnr}});
+    }
+    result[curve.view] = std::move(points);
+  }
+  return result;
+}
+
+Json ToJson(const RateReport& report) {
+  return {{"virtualViews", ToJson(report.virtual_views)}, {"depth", ToJson(report.depth)}};
+}
+
+Json PercentByView(const std::vector<RateCurve>& curves, const std::vector<double>& percent) {
+  Json result = Json::object();
+  for (std::size_t i = 0; i < curves.size(); ++i) result[curves[i].view] = percent[i];
+  return result;
+}
+
+Json ToJson(const RateComparison& against, const RateReport& tested) {
+  return {{"depth", against.depth_dir},
+          {"rates", ToJson(against.anchor)},
+          {"bdRateVirtualViewsPercent", PercentByView(tested.virtual_views, against.virtual_views_percent)},
+          {"bdRateDepthPercent", PercentByView(tested.depth, against.depth_percent)},
+          {"meanBdRateVirtualViewsPercent", MeanPercent(against.virtual_views_percent)},
+          {"meanBdRateDepthPercent", MeanPercent(against.depth_percent)}};
 }
 
 Json ToJson(const PictureFigures& f) {
@@ -138,6 +223,7 @@ Json ToJson(const PictureFigures& f) {
           {"psnrYFullRange", f.psnr_full_range},
           {"psnrYNonHole", f.psnr_non_hole},
           {"psnrYOutsidePanels", f.psnr_outside_panels},
+          {"ivPsnr", f.iv_psnr},
           {"ssim", f.ssim},
           {"holesPercent", f.holes_percent}};
 }
@@ -160,12 +246,14 @@ Json ToJson(const std::vector<DepthErrorGroup>& groups) {
     const DepthErrorFigures& f = group.figures;
     result[group.name] = {{"pixels", f.pixels},
                           {"completenessPercent", f.CompletenessPercent()},
-                          {"bad1LevelPercent", f.BadLevelsPercent(0)},
-                          {"bad2LevelsPercent", f.BadLevelsPercent(1)},
-                          {"bad4LevelsPercent", f.BadLevelsPercent(2)},
+                          {"badHalfLevelPercent", f.BadLevelsPercent(0)},
+                          {"bad1LevelPercent", f.BadLevelsPercent(1)},
+                          {"bad2LevelsPercent", f.BadLevelsPercent(2)},
+                          {"bad4LevelsPercent", f.BadLevelsPercent(3)},
                           {"badHalfPxPercent", f.BadPxPercent(0)},
                           {"bad1PxPercent", f.BadPxPercent(1)},
                           {"bad2PxPercent", f.BadPxPercent(2)},
+                          {"bad4PxPercent", f.BadPxPercent(3)},
                           {"meanPx", f.MeanPx()},
                           {"rmsePx", f.RmsePx()},
                           {"meanLevels", f.MeanLevels()},
@@ -180,7 +268,8 @@ PictureFigures MeanOf(const std::vector<PictureFigures>& figures) {
   return {
       MeanMember(figures, &PictureFigures::psnr),          MeanMember(figures, &PictureFigures::psnr_full_range),
       MeanMember(figures, &PictureFigures::psnr_non_hole), MeanMember(figures, &PictureFigures::psnr_outside_panels),
-      MeanMember(figures, &PictureFigures::ssim),          MeanMember(figures, &PictureFigures::holes_percent)};
+      MeanMember(figures, &PictureFigures::ssim),          MeanMember(figures, &PictureFigures::iv_psnr),
+      MeanMember(figures, &PictureFigures::holes_percent)};
 }
 
 PictureFigures EvaluateReport::MeanEstimated() const {
@@ -201,6 +290,8 @@ void PrintReport(const EvaluateReport& report, std::ostream& out) {
   for (const TargetReport& target : report.targets) any_agreement = any_agreement || target.agreement.has_value();
   if (any_agreement) PrintAgreement(report, out);
   if (!report.depth.empty()) PrintDepth(report, out);
+  if (!report.stability.empty()) PrintStability(report, out);
+  if (report.rates) PrintRates(report, out);
 }
 
 void PrintReportAsJson(const EvaluateReport& report, std::ostream& out) {
@@ -212,6 +303,7 @@ void PrintReportAsJson(const EvaluateReport& report, std::ostream& out) {
                {"levels", report.levels},
                {"levelPx", report.level_px},
                {"psnrScale", "luma 16-235 BT.601, peak 255"},
+               {"ivPsnrScale", "Y, Cb, Cr 16-235 BT.601, 4:4:4, 8 bits, peak 255"},
                {"ssimWindow", "11x11 Gaussian, sigma 1.5, full-range luma"},
                {"notes", report.notes}};
   Json targets = Json::array();
@@ -234,6 +326,16 @@ void PrintReportAsJson(const EvaluateReport& report, std::ostream& out) {
     for (const ViewDepthReport& view : report.depth) views[view.view] = ToJson(view.groups);
     json["depthError"] = {{"views", std::move(views)}, {"allViews", ToJson(SumOfViews(report))}};
   }
+  if (!report.stability.empty()) {
+    Json views = Json::object();
+    for (const ViewStabilityReport& view : report.stability) views[view.view] = ToJson(view.figures);
+    json["stability"] = {{"views", std::move(views)}, {"allViews", ToJson(SumOfStability(report))}};
+  }
+  if (report.rates) {
+    json["rateEncoder"] = kRateEncoder;
+    json["rates"] = ToJson(*report.rates);
+  }
+  if (report.against) json["against"] = ToJson(*report.against, *report.rates);
   // JSON has no infinities and no NaN: both become null.
   out << json.dump(2, ' ', false, Json::error_handler_t::replace) << "\n";
 }

@@ -8,6 +8,8 @@
 
 #include "common/quality/consistency.h"
 #include "common/quality/depth_error.h"
+#include "common/quality/stability.h"
+#include "worker/media_cli/evaluate_rates.h"
 
 namespace depthfarm {
 
@@ -18,6 +20,7 @@ struct PictureFigures {
   double psnr_non_hole = 0;        // as `psnr`, over the pixels that a source saw
   double psnr_outside_panels = 0;  // as `psnr`, away from plain panels; NaN without zones or panels
   double ssim = 0;
+  double iv_psnr = 0;  // dB, see IvPsnr
   double holes_percent = 0;
 };
 
@@ -38,6 +41,11 @@ struct ViewDepthReport {
   std::vector<DepthErrorGroup> groups;
 };
 
+struct ViewStabilityReport {
+  std::string view;
+  StabilityFigures figures;
+};
+
 struct EvaluateReport {
   std::string sequence;
   std::string depth_dir;
@@ -50,6 +58,9 @@ struct EvaluateReport {
   std::vector<TargetReport> targets;
   bool agreement_by_exact_depth = false;  // how non-occluded pixels were found
   std::vector<ViewDepthReport> depth;
+  std::vector<ViewStabilityReport> stability;  // empty for a single frame
+  std::optional<RateReport> rates;
+  std::optional<RateComparison> against;
 
   // Means over the targets; NaN without any.
   [[nodiscard]] PictureFigures MeanEstimated() const;

@@ -104,6 +104,12 @@ void AddEvaluate(CLI::App* command, Action* action) {
   command->add_flag("--json", options->json, "Print the figures as JSON");
   command->add_option("--pictures", options->pictures_dir, "Write the synthesised views and differences there")
       ->type_name("DIR");
+  command->add_flag("--bit-rate", options->bit_rate,
+                    "Bits of virtual views and of their sources' depth as low-delay HEVC, QP 22, 27, 32, 37");
+  command
+      ->add_option("--against", options->against,
+                   "Other depth of SEQUENCE: Bjøntegaard delta rate of DEPTH_DIR against it; implies --bit-rate")
+      ->type_name("DIR");
   command
       ->add_option("--min-psnr", options->min_psnr, "Exit with 1 when the mean luma PSNR is below this, dB; 0 = never")
       ->capture_default_str()
@@ -132,7 +138,7 @@ void AddSynthesize(CLI::App* command, Action* action) {
   command->add_option("depth", options->depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
   command
       ->add_option("-o,--output", options->output,
-                   "Folder for PNG pictures 0000.png, ...; or FILE.yuv: planar 4:2:0, 8 bits, BT.601, 16-235")
+                   "Folder for PNG pictures 0000.png, ...; FILE.mp4: H.264; FILE.yuv: planar 4:2:0, 8 bits, 16-235")
       ->required()
       ->type_name("OUT");
   command->add_option("--view", options->view, "A camera of the sequence, made from others, in every frame")
@@ -170,6 +176,9 @@ void AddSynthesize(CLI::App* command, Action* action) {
           },
           "Frames A to B - 1 of the sequence; either may be left out (default: all that have depth)")
       ->type_name("A:B");
+  command->add_option("--fps", options->frames_per_second, "Pictures a second of FILE.mp4")
+      ->capture_default_str()
+      ->type_name("N");
   command->add_option("--threads", options->threads, "Pictures made at once; 0: one per core")
       ->capture_default_str()
       ->type_name("N");
@@ -179,8 +188,7 @@ void AddSynthesize(CLI::App* command, Action* action) {
       "Examples:\n"
       "  depthfarm synthesize array.json depth -o view2 --view cam2\n"
       "  depthfarm synthesize array.json depth -o sweep --path cam0,cam3,cam7 --steps 100 --frames 0:1\n"
-      "  depthfarm synthesize array.json depth -o sweep.yuv --path cam0,cam7 && \\\n"
-      "    ffmpeg -f rawvideo -pix_fmt yuv420p -s 1024x768 -r 25 -i sweep.yuv sweep.mp4");
+      "  depthfarm synthesize array.json depth -o sweep.mp4 --path cam0,cam7 --fps 30");
   command->callback(
       [options, action] { *action = [options] { return depthfarm::RunSynthesize(*options, std::cout); }; });
 }

@@ -12,6 +12,8 @@
 #include "common/media/colour_map.h"
 #include "common/media/raw_picture.h"
 #include "common/sequence/frame_name.h"
+#include "common/video/mp4_file.h"
+#include "worker/media_cli/even_picture.h"
 
 namespace depthfarm {
 namespace {
@@ -68,21 +70,42 @@ class YuvFile : public PictureSink {
   bool finished_ = false;
 };
 
+class Mp4 : public PictureSink {
+ public:
+  explicit Mp4(Mp4File file) : file_(std::move(file)) {}
+
+  Result<std::string> Encode(const YcbcrImage& picture) const override {
+    return EncodeLimitedYuv420(WithEvenSides(picture));
+  }
+  Status Write(int /*number*/, const std::string& bytes) override { return file_.Put(bytes); }
+  Status Finish() override { return file_.Finish(); }
+
+ private:
+  Mp4File file_;
+};
+
 }  // namespace
 
-Result<std::unique_ptr<PictureSink>> OpenPictureSink(const std::string& output) {
+Result<std::unique_ptr<PictureSink>> OpenPictureSink(const std::string& output, const PictureSinkFormat& format) {
   const std::filesystem::path path(output);
   const std::string extension = path.extension().string();
-  if (extension == ".yuv") {
+  if (extension == ".yuv" || extension == ".mp4") {
     const std::filesystem::path folder = path.parent_path();
     if (!folder.empty()) DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder.string()));
+  }
+  if (extension == ".mp4") {
+    DEPTHFARM_ASSIGN_OR_RETURN(Mp4File file, Mp4File::Create(output, EvenSide(format.width), EvenSide(format.height),
+                                                             format.frames_per_second));
+    return std::unique_ptr<PictureSink>(std::make_unique<Mp4>(std::move(file)));
+  }
+  if (extension == ".yuv") {
     auto file = std::make_unique<YuvFile>(output);
     DEPTHFARM_RETURN_IF_ERROR(file->Check());
     return std::unique_ptr<PictureSink>(std::move(file));
   }
-  for (const char* video : {".mp4", ".mkv", ".mov", ".avi", ".webm", ".y4m", ".h264", ".hevc", ".png", ".jpg"}) {
+  for (const char* video : {".mkv", ".mov", ".avi", ".webm", ".y4m", ".h264", ".hevc", ".png", ".jpg"}) {
     if (extension == video) {
-      return InvalidArgument("output '" + output + "': expected FILE.yuv or a folder for PNG pictures");
+      return InvalidArgument("output '" + output + "': expected FILE.mp4, FILE.yuv or a folder for PNG pictures");
     }
   }
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(output));

@@ -25,10 +25,17 @@ class PictureSink {
   [[nodiscard]] virtual Status Finish() = 0;
 };
 
-// FILE.yuv: one file of planar 4:2:0 pictures; anything else: a folder of PNG pictures named
-// by number, each appearing when it is written. kInvalidArgument: another ending that names a file of video;
-// kUnavailable: it cannot be made.
-[[nodiscard]] Result<std::unique_ptr<PictureSink>> OpenPictureSink(const std::string& output);
+struct PictureSinkFormat {
+  int width = 0;   // pixels
+  int height = 0;  // pixels
+  int frames_per_second = 25;
+};
+
+// FILE.mp4: a video (Mp4File; of odd sides the last column or row is left out); FILE.yuv: one file of planar 4:2:0
+// pictures; anything else: a folder of PNG pictures named by number, each appearing when it is written.
+// kInvalidArgument: another ending that names a file of video; kUnavailable: it cannot be made.
+[[nodiscard]] Result<std::unique_ptr<PictureSink>> OpenPictureSink(const std::string& output,
+                                                                   const PictureSinkFormat& format);
 
 }  // namespace depthfarm
 

@@ -86,12 +86,17 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
     return InvalidArgument("--threads is " + std::to_string(options.threads) +
                            ", expected at least 1, or 0: one per core");
   }
+  if (options.frames_per_second < 1 || options.frames_per_second > 1000) {
+    return InvalidArgument("--fps is " + std::to_string(options.frames_per_second) + ", expected 1 to 1000");
+  }
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   SequenceWithDepth input;
   DEPTHFARM_RETURN_IF_ERROR(ReadSequenceWithDepth(options.sequence, options.depth_dir, input));
   DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<VirtualView> views, PlanVirtualViews(options, input));
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<PictureSink> sink, OpenPictureSink(options.output));
+  const Camera& first = views.front().camera;
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<PictureSink> sink,
+                             OpenPictureSink(options.output, {first.width, first.height, options.frames_per_second}));
 
   Sources sources(input);
   const std::span<const VirtualView> all(views);
@@ -106,7 +111,6 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
     }
   }
   DEPTHFARM_RETURN_IF_ERROR(sink->Finish());
-  const Camera& first = views.front().camera;
   out << views.size() << (views.size() == 1 ? " picture of " : " pictures of ") << first.width << "x" << first.height
       << " from";
   for (const int source : views.front().sources)

@@ -13,7 +13,7 @@ namespace depthfarm {
 struct SynthesizeCommandOptions {
   std::string sequence;     // sequence file the depth was estimated from
   std::string depth_dir;    // folder with depth.json
-  std::string output;       // FILE.yuv, or a folder for PNG pictures
+  std::string output;       // FILE.mp4, FILE.yuv, or a folder for PNG pictures
   std::string view;         // a camera of the sequence, made from others
   std::string camera_file;  // virtual cameras (ReadCameras)
   std::vector<std::string>
@@ -23,6 +23,7 @@ struct SynthesizeCommandOptions {
   int sources = 2;                // how many are chosen, 1 .. 8
   int first_frame = -1;           // positions in the sequence; -1: of the first that has depth
   int end_frame = -1;             // one past the last; -1: to the end
+  int frames_per_second = 25;     // of FILE.mp4
   int threads = 0;                // pictures made at once; 0: one per core
 };
 
@@ -34,6 +35,7 @@ struct SynthesizeCommandOptions {
 // path) or of the virtual camera.
 //   folder      DIR/0000.png, 0001.png, ...: the position of the picture in what is rendered; view: the frame
 //   FILE.yuv    planar 4:2:0, 8 bits, BT.601, 16-235, one picture after the other (all of one size)
+//   FILE.mp4    the same as H.264, visually lossless (Mp4File)
 // Every file is written under another name and renamed. Equal options give equal bytes whatever `threads` is.
 // Errors  kInvalidArgument: options, files that do not fit together, a camera that no view with depth sees the scene
 // of;

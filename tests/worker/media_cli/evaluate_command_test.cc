@@ -96,6 +96,7 @@ TEST_F(EvaluateCommandTest, WorseDepthScoresWorse) {
   EXPECT_GT(exact, nearer + 0.5);
   EXPECT_GT(exact, noisy + 0.5);
   EXPECT_GT(noisy, noisier + 0.5);
+  EXPECT_GT(Report(Options(noisy_))["mean"]["ivPsnr"], Report(Options(noisier_))["mean"]["ivPsnr"]);
   EXPECT_GT(Report(Options(noisy_))["depthError"]["allViews"]["all"]["bad1LevelPercent"], 5);
 }
 
@@ -141,11 +142,65 @@ TEST_F(EvaluateCommandTest, ALeftOutViewIsSynthesised) {
   EXPECT_EQ(report["virtualViews"][0]["view"], "cam1");
 }
 
+// Noise that is the same in both frames is an error, not a flicker.
+TEST_F(EvaluateCommandTest, DepthThatFlickersIsLessStable) {
+  int map = 0;
+  const std::string flickering = scene_->WriteDepth("flickering", [&map](DepthMap& depth) {
+    std::mt19937 random(static_cast<unsigned>(++map));
+    for (float& z : depth.values()) z *= 1.0F + 0.1F * (static_cast<float>(random() % 1000) / 1000.0F - 0.5F);
+  });
+  const nlohmann::json exact = Report(Options(exact_))["stability"]["allViews"];
+  const nlohmann::json noisy = Report(Options(noisy_))["stability"]["allViews"];
+  const nlohmann::json flicker = Report(Options(flickering))["stability"]["allViews"];
+  EXPECT_GT(exact["stillPixels"], 4 * 160 * 120 / 2);
+  EXPECT_LT(exact["changedPercent"], 3);
+  EXPECT_LT(noisy["changedPercent"], 3);
+  EXPECT_GT(flicker["changedPercent"], 30);
+}
+
+TEST_F(EvaluateCommandTest, BitRatesAreThoseOfTheViewsAndTheirSourcesDepth) {
+  EvaluateCommandOptions options = Options(noisy_);
+  options.view = "cam1";
+  options.against = exact_;
+  const nlohmann::json report = Report(options);
+  ASSERT_EQ(report["rates"]["virtualViews"].size(), 1U);
+  ASSERT_EQ(report["rates"]["depth"].size(), 2U);
+  const nlohmann::json& points = report["rates"]["virtualViews"]["cam1"];
+  ASSERT_EQ(points.size(), 4U);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_GT(points[i]["qp"], points[i - 1]["qp"]);
+    EXPECT_LT(points[i]["bitsPerPicture"], points[i - 1]["bitsPerPicture"]);
+    EXPECT_LT(points[i]["psnrY"], points[i - 1]["psnrY"]);
+  }
+  EXPECT_GT(report["against"]["bdRateDepthPercent"]["cam0"], 50) << "noise is dear";
+  EXPECT_GT(report["against"]["meanBdRateVirtualViewsPercent"], 0);
+}
+
+TEST_F(EvaluateCommandTest, AgainstItselfTheBitRateIsTheSame) {
+  EvaluateCommandOptions options = Options(exact_);
+  options.against = exact_;
+  const nlohmann::json report = Report(options);
+  EXPECT_EQ(report["rates"], report["against"]["rates"]);
+  EXPECT_NEAR(report["against"]["meanBdRateVirtualViewsPercent"].get<double>(), 0, 1e-6);
+  EXPECT_NEAR(report["against"]["meanBdRateDepthPercent"].get<double>(), 0, 1e-6);
+}
+
+TEST_F(EvaluateCommandTest, AgainstAFolderWithoutTheSourcesIsAnError) {
+  EvaluateCommandOptions options = Options(exact_);
+  options.against = pair_;
+  EXPECT_NE(Failure(options).message().find("no depth of camera 'cam0' in " + pair_), std::string::npos)
+      << Failure(options).message();
+  options.against = scene_->File("nowhere");
+  EXPECT_EQ(Failure(options).code(), ErrorCode::kInvalidArgument);
+}
+
 TEST_F(EvaluateCommandTest, TheTableNamesItsScale) {
   EvaluateCommandOptions options = Options(exact_);
   options.json = false;
+  options.against = exact_;
   std::ostringstream out;
   ASSERT_TRUE(RunEvaluate(options, out).ok());
+  EXPECT_NE(out.str().find("libx265"), std::string::npos);
   EXPECT_NE(out.str().find("BT.601"), std::string::npos) << out.str();
   EXPECT_NE(out.str().find("difference"), std::string::npos);
   EXPECT_EQ(out.str().find("nan"), std::string::npos) << out.str();

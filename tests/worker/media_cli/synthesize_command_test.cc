@@ -137,6 +137,31 @@ TEST_F(SynthesizeCommandTest, TheSameBytesOnAnyNumberOfThreads) {
   EXPECT_EQ(Files(scene_->File("deep")), 1U);  // nothing half-written is left
 }
 
+TEST_F(SynthesizeCommandTest, AVideoIsTheSameBytesOnAnyNumberOfThreads) {
+  SynthesizeCommandOptions options = Options("video/one.mp4");
+  options.path = {"cam0", "cam3"};
+  options.steps = 7;
+  options.threads = 1;
+  Run(options);
+  const std::string one = Bytes(options.output);
+  EXPECT_EQ(one.substr(4, 4), "ftyp");
+  options.output = scene_->File("video/three.mp4");
+  options.threads = 3;
+  Run(options);
+  EXPECT_EQ(Bytes(options.output), one);
+  EXPECT_EQ(Files(scene_->File("video")), 2U);
+}
+
+TEST_F(SynthesizeCommandTest, AVideoOfAnOddSizeLosesAColumn) {
+  const std::string file = scene_->File("odd.json");
+  std::ofstream(file) << R"({"name": "odd", "width": 97, "height": 64, "K": [[110, 0, 48], [0, 110, 31.5], [0, 0, 1]],
+    "R": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "t": [0, 0, 0]})";
+  SynthesizeCommandOptions options = Options("odd.mp4");
+  options.camera_file = file;
+  Run(options);
+  EXPECT_GT(Bytes(options.output).size(), 500U);
+}
+
 TEST_F(SynthesizeCommandTest, AnyVirtualCamera) {
   const std::string file = scene_->File("virtual.json");
   std::ofstream(file)
@@ -174,8 +199,11 @@ TEST_F(SynthesizeCommandTest, SaysWhatIsWrong) {
   options.threads = -1;
   EXPECT_THAT(Failure(options), HasSubstr("--threads is -1"));
   options.threads = 1;
-  options.output = scene_->File("wrong.mp4");
-  EXPECT_THAT(Failure(options), HasSubstr("expected FILE.yuv or a folder"));
+  options.frames_per_second = 0;
+  EXPECT_THAT(Failure(options), HasSubstr("--fps is 0"));
+  options.frames_per_second = 25;
+  options.output = scene_->File("wrong.mkv");
+  EXPECT_THAT(Failure(options), HasSubstr("expected FILE.mp4, FILE.yuv or a folder"));
   options.output = scene_->File("wrong");
   options.depth_dir = pair_;
   options.from = {"cam0"};
