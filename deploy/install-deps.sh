@@ -13,7 +13,10 @@ build_packages=(
   libavcodec-dev libavformat-dev libavutil-dev
   nlohmann-json3-dev libcli11-dev libspdlog-dev
 )
-test_packages=(libgtest-dev libgmock-dev libboost-graph-dev)
+test_packages=(
+  libgtest-dev libgmock-dev libboost-graph-dev
+  libopencv-calib3d-dev python3-matplotlib python3-scipy
+)
 
 case "${1:-build}" in
   build) packages=("${build_packages[@]}") ;;

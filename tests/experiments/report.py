@@ -1,0 +1,96 @@
+"""Markdown sections that are rewritten in place, and SVG plots that are the same bytes each time."""
+
+import os
+import textwrap
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot  # noqa: E402  (the backend comes first)
+
+
+@dataclass
+class Section:
+    """What an experiment found."""
+
+    name: str  # of the experiment: names its markers and its plot
+    title: str
+    text: str  # Markdown below the title
+
+
+def markdown_table(header: list[str], rows: list[list[str]]) -> str:
+    """
+    >>> print(markdown_table(["a", "b"], [["1", "2"]]))
+    | a | b |
+    |---|---|
+    | 1 | 2 |
+    """
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def wrapped(text: str, width: int = 120) -> str:
+    """Paragraphs filled to `width`; tables and pictures as they are.
+
+    >>> wrapped("a b c\\n\\n| d | e f |", 3)
+    'a b\\nc\\n\\n| d | e f |'
+    """
+    parts = text.split("\n\n")
+    return "\n\n".join(part if part.startswith(("|", "!")) else textwrap.fill(part, width, break_long_words=False)
+                       for part in parts)
+
+
+def put_section(document: str, section: Section) -> str:
+    """`document` with the section in the place of the one of its name, or at the end.
+
+    >>> a = put_section("# T\\n", Section("x", "X", "one"))
+    >>> put_section(a, Section("x", "X", "two")) == a.replace("one", "two")
+    True
+    """
+    begin, end = f"<!-- experiment {section.name} -->", f"<!-- end {section.name} -->"
+    block = f"{begin}\n## {section.title}\n\n{wrapped(section.text.rstrip())}\n{end}\n"
+    if begin in document:
+        before, rest = document.split(begin, 1)
+        after = rest.split(end + "\n", 1)[1]
+        return before + block + after
+    return document.rstrip("\n") + "\n\n" + block
+
+
+def write_section(path: Path, section: Section, heading: str) -> None:
+    """Puts the section into a file, which begins with `heading` if it is new; written aside, then renamed."""
+    document = path.read_text() if path.exists() else heading
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(".part")
+    temporary.write_text(put_section(document, section))
+    os.replace(temporary, path)
+
+
+@dataclass
+class Curve:
+    """One line of a plot."""
+
+    name: str
+    x: list[float]
+    y: list[float]
+    dashed: bool = False  # the paper's
+
+
+def write_plot(path: Path, curves: list[Curve], x_label: str, y_label: str, log_x: bool = False) -> None:
+    """Lines with markers over x."""
+    matplotlib.rcParams["svg.hashsalt"] = "depthfarm"
+    figure, axes = pyplot.subplots(figsize=(6, 3.6))
+    for curve in curves:
+        axes.plot(curve.x, curve.y, "--o" if curve.dashed else "-o", label=curve.name, markersize=4)
+    if log_x:
+        axes.set_xscale("log")
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+    axes.grid(alpha=0.3)
+    axes.legend(frameon=False, fontsize=8)
+    figure.tight_layout()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None})
+    pyplot.close(figure)
