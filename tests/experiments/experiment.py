@@ -9,6 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
+import experiment_choices
 import experiment_gop
 import experiment_methods
 import experiment_partition
@@ -25,6 +26,7 @@ EXPERIMENTS = {
     "views": experiment_views.run,
     "partition": experiment_partition.run,
     "gop": experiment_gop.run,
+    "choices": experiment_choices.run,
 }
 
 HEADING = """# Experiments
@@ -44,7 +46,7 @@ def make_setup(arguments: argparse.Namespace) -> Setup:
         videos = [SceneSpec("arc", 4, "192x144", 3)]
         return Setup(Programs(arguments.bin, work, 2), True, scenes, videos, 6, docs / "images", "the quick mode")
     scenes = sized(scene_list(arguments.scenes), arguments.pixels)[:arguments.count]
-    videos = [SceneSpec("arc", 5, "640x480", seed) for seed in (301, 302)]
+    videos = [SceneSpec("arc", 5, "640x480", 301 + i) for i in range(arguments.videos)]
     name = f"*{arguments.scenes}* of at most {arguments.pixels:,} pixels"
     return Setup(Programs(arguments.bin, work, arguments.workers), False, scenes, videos, 50, docs / "images", name)
 
@@ -58,6 +60,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=20, help="use the first so many of its scenes (default: all)")
     parser.add_argument("--pixels", type=int, default=VGA,
                         help="use scenes with at most so many pixels a picture (default: 640x480)")
+    parser.add_argument("--videos", type=int, default=2, help="sequences of 50 frames that gop uses (default: 2)")
     parser.add_argument("--workers", type=int, default=2, help="worker processes (default: 2); changes no figure but CPU's noise")
     parser.add_argument("--bin", type=Path, default=Path("build/release/bin"), help="folder of the programs")
     parser.add_argument("--work", type=Path, default=Path("experiments"), help="folder for scenes and results, kept")

@@ -21,8 +21,6 @@ def measure(setup: Setup, sequence: Path) -> dict[str, tuple[dict, float]]:
         depth = setup.estimate(sequence, options)
         result[name] = (setup.programs.evaluate(sequence, depth, []), depth.cpu_per_view)
     for name, command in BASELINES:
-        if not setup.programs.has_baseline(command):
-            continue
         depth = setup.programs.baseline(command, sequence, [])
         result[name] = (setup.programs.evaluate(sequence, depth, []), depth.cpu_per_view)
     return result

@@ -61,7 +61,7 @@ class Experiments(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stderr)
             documents = Path(folder) / "docs"
             first = (documents / "experiments.md").read_text()
-            for name in ("methods", "segments", "views", "partition", "gop"):
+            for name in ("methods", "segments", "views", "partition", "gop", "choices"):
                 self.assertIn(f"<!-- end {name} -->", first)
             self.assertNotIn("nan", first)
             plots = {path.name: path.read_bytes() for path in (documents / "images").iterdir()}
