@@ -1,4 +1,4 @@
-"""Averages of the paper's tables (Mieloch, Stankiewicz, Domanski, IEEE Access 2020): what ours are put beside."""
+"""Averages of the paper's tables (Mieloch, Stankiewicz, Domański): what ours are put beside."""
 
 # Table II: mean PSNR of virtual views over the eight sequences, dB.
 DERS_PSNR = 26.21
