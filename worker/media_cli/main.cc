@@ -2,11 +2,13 @@
 // library; the only translation unit that sees CLI11.
 
 #include <malloc.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <csignal>
 #include <exception>
 #include <functional>
 #include <iostream>
@@ -28,6 +30,15 @@ using depthfarm::Status;
 constexpr int kExitOk = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitBadUsage = 2;
+constexpr int kExitInterrupted = 130;
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// From here on SIGINT and SIGTERM are only noted: a command that asks can remove what is half-written.
+void CatchInterruptions() {
+  const auto note = [](int) { interrupted = 1; };
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, note);  // NOLINT(bugprone-signal-handler): one store
+}
 
 // What parsing leaves behind: the chosen command with its options bound.
 using Action = std::function<Status()>;
@@ -189,8 +200,14 @@ void AddSynthesize(CLI::App* command, Action* action) {
       "  depthfarm synthesize array.json depth -o view2 --view cam2\n"
       "  depthfarm synthesize array.json depth -o sweep --path cam0,cam3,cam7 --steps 100 --frames 0:1\n"
       "  depthfarm synthesize array.json depth -o sweep.mp4 --path cam0,cam7 --fps 30");
-  command->callback(
-      [options, action] { *action = [options] { return depthfarm::RunSynthesize(*options, std::cout); }; });
+  command->callback([options, action] {
+    *action = [options] {
+      CatchInterruptions();
+      options->interrupted = [] { return interrupted != 0; };
+      if (isatty(STDERR_FILENO) != 0) options->progress = &std::cerr;
+      return depthfarm::RunSynthesize(*options, std::cout);
+    };
+  });
 }
 
 void AddColour(CLI::App* command, Action* action) {
@@ -220,7 +237,9 @@ int Run(int argc, char** argv) {
   CLI::App app("Commands of depthfarm that work on pictures and depth maps.", "depthfarm-media");
   app.set_version_flag("--version", DEPTHFARM_VERSION);
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 ok, 1 failed, 2 bad usage or bad input. 'depthfarm-media COMMAND --help' tells more.");
+  app.footer(
+      "Exit codes: 0 ok, 1 failed, 2 bad usage or bad input, 130 interrupted. 'depthfarm-media COMMAND --help' tells "
+      "more.");
   Action action;
   for (const Command& command : kCommands) command.add(app.add_subcommand(command.name, command.summary), &action);
   try {
@@ -230,6 +249,7 @@ int Run(int argc, char** argv) {
   }
   const Status status = action();
   if (status.ok()) return kExitOk;
+  if (status.code() == depthfarm::ErrorCode::kCancelled) return kExitInterrupted;
   std::cerr << "depthfarm-media: " << status.message() << "\n";
   return status.code() == depthfarm::ErrorCode::kInvalidArgument ? kExitBadUsage : kExitFailed;
 }

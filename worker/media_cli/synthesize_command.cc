@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <ostream>
 #include <span>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -74,6 +77,16 @@ class Sources {
   std::map<SourceKey, std::shared_ptr<const Source>> loaded_;
 };
 
+// PNG files in a folder; 0 if it is none.
+std::size_t PicturesIn(const std::string& folder) {
+  std::error_code error;
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    count += entry.path().extension() == ".png" ? 1 : 0;
+  }
+  return count;
+}
+
 Result<std::string> Rendered(const VirtualView& view, const Sources& sources, const PictureSink& sink) {
   DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView result, SynthesizeView(sources.Of(view), view.camera));
   return sink.Encode(result.picture);
@@ -101,6 +114,10 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
   Sources sources(input);
   const std::span<const VirtualView> all(views);
   for (std::size_t begin = 0; begin < all.size(); begin += static_cast<std::size_t>(threads)) {
+    if (options.interrupted()) return Cancelled();
+    if (options.progress != nullptr) {
+      *options.progress << "\rpicture " << begin + 1 << " of " << all.size() << std::flush;
+    }
     const auto batch = all.subspan(begin, std::min(static_cast<std::size_t>(threads), all.size() - begin));
     DEPTHFARM_RETURN_IF_ERROR(sources.Load(batch, threads));
     std::vector<Result<std::string>> pictures(batch.size(), Cancelled());
@@ -111,12 +128,17 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
     }
   }
   DEPTHFARM_RETURN_IF_ERROR(sink->Finish());
+  if (options.progress != nullptr) *options.progress << "\r" << std::string(40, ' ') << "\r" << std::flush;
   out << views.size() << (views.size() == 1 ? " picture of " : " pictures of ") << first.width << "x" << first.height
       << " from";
   for (const int source : views.front().sources)
     out << " " << input.views[static_cast<std::size_t>(source)].camera.name;
   if (views.back().sources != views.front().sources) out << " and so on";
   out << " -> " << options.output << "\n";
+  const std::size_t pictures = PicturesIn(options.output);
+  if (pictures > views.size()) {
+    out << "note: " << options.output << " also holds " << pictures - views.size() << " older pictures\n";
+  }
   return {};
 }
 

@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_WORKER_MEDIA_CLI_SYNTHESIZE_COMMAND_H_
 #define DEPTHFARM_WORKER_MEDIA_CLI_SYNTHESIZE_COMMAND_H_
 
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ struct SynthesizeCommandOptions {
   int end_frame = -1;             // one past the last; -1: to the end
   int frames_per_second = 25;     // of FILE.mp4
   int threads = 0;                // pictures made at once; 0: one per core
+  std::function<bool()> interrupted = [] { return false; };  // asked between pictures
+  std::ostream* progress = nullptr;                          // a terminal that shows how far it is
 };
 
 // Renders virtual views (SynthesizeView) of the frames that have depth:
@@ -39,7 +42,7 @@ struct SynthesizeCommandOptions {
 // Every file is written under another name and renamed. Equal options give equal bytes whatever `threads` is.
 // Errors  kInvalidArgument: options, files that do not fit together, a camera that no view with depth sees the scene
 // of;
-//         kUnavailable: pictures cannot be written.
+//         kUnavailable: pictures cannot be written; kCancelled: interrupted (complete PNG pictures stay).
 [[nodiscard]] Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out);
 
 }  // namespace depthfarm

@@ -152,6 +152,32 @@ TEST_F(SynthesizeCommandTest, AVideoIsTheSameBytesOnAnyNumberOfThreads) {
   EXPECT_EQ(Files(scene_->File("video")), 2U);
 }
 
+TEST_F(SynthesizeCommandTest, InterruptedItLeavesNothingHalfWritten) {
+  for (const char* name : {"cut/short.yuv", "cut/short.mp4"}) {
+    SynthesizeCommandOptions options = Options(name);
+    options.path = {"cam0", "cam3"};
+    options.steps = 4;
+    options.threads = 1;
+    int asked = 0;
+    options.interrupted = [&] { return ++asked > 2; };
+    std::ostringstream out;
+    EXPECT_EQ(RunSynthesize(options, out).code(), ErrorCode::kCancelled);
+    EXPECT_EQ(Files(scene_->File("cut")), 0U);
+  }
+}
+
+TEST_F(SynthesizeCommandTest, TellsOfOlderPicturesAndShowsProgress) {
+  SynthesizeCommandOptions options = Options("twice");
+  options.path = {"cam0", "cam3"};
+  options.steps = 3;
+  std::ostringstream progress;
+  options.progress = &progress;
+  EXPECT_THAT(Run(options), testing::Not(HasSubstr("older")));
+  EXPECT_THAT(progress.str(), HasSubstr("picture 1 of 3"));
+  options.steps = 2;
+  EXPECT_THAT(Run(options), HasSubstr("also holds 1 older pictures"));
+}
+
 TEST_F(SynthesizeCommandTest, AVideoOfAnOddSizeLosesAColumn) {
   const std::string file = scene_->File("odd.json");
   std::ofstream(file) << R"({"name": "odd", "width": 97, "height": 64, "K": [[110, 0, 48], [0, 110, 31.5], [0, 0, 1]],
