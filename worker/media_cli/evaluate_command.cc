@@ -251,6 +251,33 @@ double LargestLevelPx(const SequenceWithDepth& input) {
   return largest / (input.levels->count() - 1);
 }
 
+// What a script may ask of the figures. All violations in one message.
+Status CheckBounds(const EvaluateCommandOptions& options, const EvaluateReport& report) {
+  const PictureFigures views = report.MeanEstimated();
+  struct Bound {
+    const char* name;
+    double value;
+    double bound;
+    bool at_least;
+  };
+  const Bound bounds[] = {
+      {"PSNR-Y of the virtual views, dB", views.psnr, options.min_psnr, true},
+      {"IV-PSNR of the virtual views, dB", views.iv_psnr, options.min_iv_psnr, true},
+      {"share of non-occluded pixels that agree, %", report.AgreementPercent(), options.min_agreement, true},
+      {"share of pixels off by more than 1 px, %", report.BadPxPercent(), options.max_bad_px, false},
+      {"share of still pixels whose depth changed, %", report.FlickerPercent(), options.max_flicker, false}};
+  std::string violations;
+  for (const Bound& bound : bounds) {
+    if (std::isnan(bound.bound)) continue;
+    const bool holds = bound.at_least ? bound.value >= bound.bound : bound.value <= bound.bound;
+    if (holds) continue;  // a figure that was not measured, NaN, never does
+    violations += (violations.empty() ? "" : "; ") + std::string(bound.name) + ": " +
+                  (std::isnan(bound.value) ? "not measured" : Decimal(bound.value, 2)) + ", expected at " +
+                  (bound.at_least ? "least " : "most ") + Decimal(bound.bound, 2);
+  }
+  return violations.empty() ? Status() : Internal(violations);
+}
+
 }  // namespace
 
 Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
@@ -299,14 +326,7 @@ Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
   }
 
   options.json ? PrintReportAsJson(report, out) : PrintReport(report, out);
-  if (options.min_psnr > 0) {
-    const double mean = report.MeanEstimated().psnr;
-    if (!(mean >= options.min_psnr)) {
-      return Internal("the mean PSNR-Y of the virtual views is " + Decimal(mean, 2) + " dB, expected at least " +
-                      Decimal(options.min_psnr, 2));
-    }
-  }
-  return {};
+  return CheckBounds(options, report);
 }
 
 }  // namespace depthfarm

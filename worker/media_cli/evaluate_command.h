@@ -2,6 +2,7 @@
 #define DEPTHFARM_WORKER_MEDIA_CLI_EVALUATE_COMMAND_H_
 
 #include <iosfwd>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,14 @@ struct EvaluateCommandOptions {
   std::string pictures_dir;       // empty: write no pictures
   bool bit_rate = false;          // HEVC bits of the virtual views and of their sources' depth
   std::string against;            // folder with depth.json to compare the bits with; empty: none
-  double min_psnr = 0;            // dB; 0: no bound
+  // For scripts: a figure beyond its bound fails after the report. NaN: no bound.
+  double min_psnr = kNoBound;       // mean PSNR-Y of the virtual views, dB
+  double min_iv_psnr = kNoBound;    // mean IV-PSNR, dB
+  double min_agreement = kNoBound;  // non-occluded pixels that agree, all sources, %
+  double max_bad_px = kNoBound;     // pixels with exact depth off by more than 1 px, all views, %
+  double max_flicker = kNoBound;    // still pixels whose depth changed by more than a level, %
+
+  static constexpr double kNoBound = std::numeric_limits<double>::quiet_NaN();
 };
 
 // Measures depth maps as the paper does (section V) and against ground truth, and writes the figures to `out`:
@@ -38,8 +46,9 @@ struct EvaluateCommandOptions {
 // With `pictures_dir`: DIR/<view>/<frame>_{synthesised,real,difference,exact}.png (difference: |luma| x 4) and
 // DIR/<source>/<frame>_depth.png.
 // Errors  kInvalidArgument: bad options (--against with another downscaling or without the sources' depth), or files
-// that can't be read or don't fit together; kInternal: the mean PSNR-Y
-//         of the targets is below `min_psnr` (after the figures were written), kUnavailable: pictures can't be written.
+// that can't be read or don't fit together; kInternal: a figure
+//         is beyond its bound or not measured (after the figures were written), kUnavailable: pictures can't be
+//         written.
 [[nodiscard]] Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out);
 
 }  // namespace depthfarm

@@ -278,6 +278,21 @@ PictureFigures EvaluateReport::MeanEstimated() const {
   return MeanOf(means);
 }
 
+double EvaluateReport::AgreementPercent() const {
+  AgreementFigures sum;
+  for (const TargetReport& target : targets) {
+    if (target.agreement) sum.Add(*target.agreement);
+  }
+  return sum.NonOccludedPercent();
+}
+
+double EvaluateReport::BadPxPercent() const {
+  const std::vector<DepthErrorGroup> groups = SumOfViews(*this);
+  return groups.empty() ? kNaN : groups.front().figures.BadPxPercent(1);  // "all" comes first
+}
+
+double EvaluateReport::FlickerPercent() const { return SumOfStability(*this).ChangedPercent(); }
+
 void PrintReport(const EvaluateReport& report, std::ostream& out) {
   out << "sequence " << report.sequence << ", depth in " << report.depth_dir << ", frames " << report.first_frame
       << " to " << report.end_frame - 1;

@@ -64,6 +64,11 @@ struct EvaluateReport {
 
   // Means over the targets; NaN without any.
   [[nodiscard]] PictureFigures MeanEstimated() const;
+  // Over all targets' sources; all pixels of all views with exact depth; all views' still pixels. NaN where nothing is
+  // measured.
+  [[nodiscard]] double AgreementPercent() const;
+  [[nodiscard]] double BadPxPercent() const;  // off by more than 1 px
+  [[nodiscard]] double FlickerPercent() const;
 };
 
 void PrintReport(const EvaluateReport& report, std::ostream& out);

@@ -121,10 +121,16 @@ void AddEvaluate(CLI::App* command, Action* action) {
       ->add_option("--against", options->against,
                    "Other depth of SEQUENCE: Bjøntegaard delta rate of DEPTH_DIR against it; implies --bit-rate")
       ->type_name("DIR");
-  command
-      ->add_option("--min-psnr", options->min_psnr, "Exit with 1 when the mean luma PSNR is below this, dB; 0 = never")
-      ->capture_default_str()
-      ->type_name("DB");
+  // Shown without a default: there is none.
+  const char* bounds = "Bounds for scripts: exit with 1, after the figures, when one does not hold";
+  const auto add_bound = [&](const char* name, double& value, const char* unit, const char* help) {
+    command->add_option(name, value, help)->type_name(unit)->group(bounds);
+  };
+  add_bound("--min-psnr", options->min_psnr, "DB", "Mean PSNR-Y of the virtual views");
+  add_bound("--min-iv-psnr", options->min_iv_psnr, "DB", "Mean IV-PSNR of the virtual views");
+  add_bound("--min-agreement", options->min_agreement, "PERCENT", "Non-occluded pixels on which views agree");
+  add_bound("--max-bad-px", options->max_bad_px, "PERCENT", "Pixels off by more than 1 px from exact depth");
+  add_bound("--max-flicker", options->max_flicker, "PERCENT", "Still pixels whose depth changes by more than a level");
   command->footer(
       "A view that was left out is synthesised from its neighbours' pictures and depth and compared with its picture;\n"
       "where the sequence has ground truth, depth is compared with it too.");

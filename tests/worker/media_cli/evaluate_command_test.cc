@@ -218,6 +218,30 @@ TEST_F(EvaluateCommandTest, BelowTheBoundItFailsAfterReporting) {
   EXPECT_TRUE(RunEvaluate(options, out).ok());
 }
 
+TEST_F(EvaluateCommandTest, EveryBoundCountsAndAllViolationsAreTold) {
+  EvaluateCommandOptions options = Options(noisier_);
+  options.min_iv_psnr = 90;
+  options.min_agreement = 99.9;
+  options.max_bad_px = 0.001;
+  options.max_flicker = 100;
+  const Status status = Failure(options);
+  EXPECT_EQ(status.code(), ErrorCode::kInternal);
+  for (const char* part : {"IV-PSNR", "90.00", "agree", "99.90", "more than 1 px"}) {
+    EXPECT_NE(status.message().find(part), std::string::npos) << status.message();
+  }
+  EXPECT_EQ(status.message().find("still pixels"), std::string::npos) << status.message();
+
+  options = Options(exact_);
+  options.min_psnr = 20;
+  options.min_iv_psnr = 20;
+  options.min_agreement = 90;
+  options.max_bad_px = 1;
+  options.max_flicker = 10;
+  EXPECT_TRUE(Failure(options).ok()) << Failure(options).message();
+  options.end_frame = 1;  // a single frame does not flicker: what is not measured cannot be vouched for
+  EXPECT_NE(Failure(options).message().find("not measured"), std::string::npos) << Failure(options).message();
+}
+
 TEST_F(EvaluateCommandTest, PicturesAreWritten) {
   EvaluateCommandOptions options = Options(exact_);
   options.view = "cam1";
