@@ -12,7 +12,7 @@ from measured import Measured
 from paired import mean_of, paired
 from real_sets import RealSet
 from report import Curve, Section, markdown_table, write_plot
-from setup import SGBM, Setup
+from setup import PANEL, SGBM, Setup
 
 OURS = "depthfarm"
 
@@ -63,9 +63,12 @@ def rendered_rows(measured: dict[Method, Measured], ours: Measured) -> list[list
         rows.append([
             method.name, this.psnr_text, paired(this.psnr, exact).text(),
             "" if method.name == OURS else this.against(ours).text(),
+            mean_of(this.psnr_outside_panels).text(sign=False),
+            "" if method.name == OURS else this.against_outside_panels(ours).text(),
             mean_cell(over(this.reports, figures.iv_psnr), "", 2),
             mean_cell(over(this.reports, lambda report: figures.bad(report, "bad1PxPercent"))),
             mean_cell(over(this.reports, lambda report: figures.bad(report, "bad1PxPercent", "thin"))),
+            mean_cell(over(this.reports, lambda report: figures.bad(report, "bad1PxPercent", "panel"))),
             mean_cell(over(this.reports, figures.agreement)), this.cpu_text])
     return rows
 
@@ -103,9 +106,11 @@ def run(setup: Setup) -> Section:
     gain = paper.against("II", "proposal dB", "DERS dB")
     caption = setup.caption("methods", setup.where(setup.scenes), "[--refine 0]")
     text = (f"{caption} *Bad > 1 px*: of non-occluded pixels of all views; *views agree*: of the pixels that the two "
-            f"sources of a virtual view both see. CPU is that of the whole command.{missing}\n\n"
-            + markdown_table(["method", "PSNR-Y, dB", "against exact depth", "against depthfarm", "IV-PSNR, dB",
-                              "bad > 1 px", "bad > 1 px, thin objects", "views agree", "CPU a view"],
+            f"sources of a virtual view both see. CPU is that of the whole command. "
+            f"{PANEL}{missing}\n\n"
+            + markdown_table(["method", "PSNR-Y, dB", "against exact depth", "against depthfarm",
+                              "outside the panel, dB", "against depthfarm", "IV-PSNR, dB", "bad > 1 px",
+                              "bad > 1 px, thin objects", "bad > 1 px, panel", "views agree", "CPU a view"],
                              rendered_rows(measured, ours))
             + f"\n\nThe paper, on eight other sequences: its method {paper.mean('II', 'proposal dB'):.2f} dB, DERS "
             f"{paper.mean('II', 'DERS dB'):.2f} dB ({gain.text()} dB) in {100 * paper.time_ratio():.0f} % of DERS's "

@@ -3,7 +3,7 @@
 import paper
 from measured import Measured
 from report import Curve, Section, markdown_table, write_plot
-from setup import SGBM, Setup
+from setup import PANEL, SGBM, Setup
 
 WHOLE = ("whole", 1)
 REFINED = (1, 6, 16)  # refinement starts from what the cut left: a few rows show how much of the loss it keeps
@@ -30,14 +30,12 @@ def run(setup: Setup) -> Section:
         row = [str(n), kind]
         for rounds in (0, 4):
             this = measured.get((kind, n, rounds))
-            row.append(this.psnr_text if this else "")
-            row.append(this.against(measured[*WHOLE, rounds]).text() if this and n > 1 else "")
+            row += this.cells(measured[*WHOLE, rounds]) if this else ["", "", ""]
         row.append(measured[kind, n, 0].cpu_text)
         row.append(paper.mean_text("VI", paper_column((kind, n))))
         row.append(paper.against_text("VI", paper_column((kind, n)), paper_column(WHOLE)))
         rows.append(row)
-    rows.append([SGBM, "", sgbm.psnr_text, sgbm.against(measured[*WHOLE, 0]).text(), sgbm.psnr_text,
-                 sgbm.against(measured[*WHOLE, 4]).text(), sgbm.cpu_text, "", ""])
+    rows.append([SGBM, "", *sgbm.cells(measured[*WHOLE, 0]), *sgbm.cells(measured[*WHOLE, 4]), sgbm.cpu_text, "", ""])
 
     curves = []
     for kind in ("interleaved", "blocks"):
@@ -51,9 +49,9 @@ def run(setup: Setup) -> Section:
     write_plot(setup.plot("partition"), curves, "parts", "PSNR-Y against one part, dB")
     caption = setup.caption("partition", setup.where(setup.scenes), "--level-blocks N --partition P --refine R")
     text = (f"{caption} CPU is that of all parts and merges: what splitting costs in total, not how long it takes on N "
-            "machines.\n\n"
-            + markdown_table(["parts", "levels", "--refine 0, dB", "against one part", "refined, dB",
-                              "against one part", "CPU a view, --refine 0", "paper, dB", "paper, against one part"],
-                             rows)
+            f"machines. {PANEL}\n\n"
+            + markdown_table(["parts", "levels", "--refine 0, dB", "against one part", "outside the panel",
+                              "refined, dB", "against one part", "outside the panel", "CPU a view, --refine 0",
+                              "paper, dB", "paper, against one part"], rows)
             + f"\n\n{setup.picture('partition', 'Loss over parts')}\n")
     return Section("partition", "Splitting the levels (Table VI, Fig. 7)", text)

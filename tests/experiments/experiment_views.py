@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import paper
 from report import Curve, Section, flat, markdown_table, write_plot
-from setup import SGBM, Setup
+from setup import PANEL, SGBM, Setup
 
 
 def names(cameras: list[int]) -> str:
@@ -33,11 +33,9 @@ def run(setup: Setup) -> Section:
     sgbm_without = setup.measure_baseline("sgbm", sequences, ["--views", names(outwards[1:])], evaluate)
 
     least = min(counts)
-    rows = [[str(n), with_view[n].psnr_text, "" if n == least else with_view[n].against(with_view[least]).text(),
-             without[n].psnr_text, "" if n == least else without[n].against(without[least]).text(),
-             with_view[n].cpu_text, paper.mean_text("V", n), paper.against_text("V", n, 3)] for n in counts]
-    rows.append([SGBM, sgbm.psnr_text, sgbm.against(with_view[least]).text(), sgbm_without.psnr_text,
-                 sgbm_without.against(without[least]).text(), sgbm.cpu_text, "", ""])
+    rows = [[str(n), *with_view[n].cells(with_view[least]), *without[n].cells(without[least]), with_view[n].cpu_text,
+             paper.mean_text("V", n), paper.against_text("V", n, 3)] for n in counts]
+    rows.append([SGBM, *sgbm.cells(with_view[least]), *sgbm_without.cells(without[least]), sgbm.cpu_text, "", ""])
     write_plot(setup.plot("views"),
                [Curve("depthfarm", counts, [with_view[n].mean_psnr for n in counts]),
                 Curve("depthfarm, virtual view left out", counts, [without[n].mean_psnr for n in counts]),
@@ -47,8 +45,9 @@ def run(setup: Setup) -> Section:
     data = f"{len(sequences)} arcs with the seeds, sizes and noise of {setup.list_name}, one frame each"
     caption = setup.caption("views", data, "--views A,B,...", " ".join(evaluate))
     text = (f"{caption} As in the paper, the picture that is synthesised takes part in the estimation; *left out*: it "
-            "does not, and the two sources are each other's nearest neighbours.\n\n"
-            + markdown_table(["views", "PSNR-Y, dB", f"against {least}", "left out, dB", f"against {least}",
-                              "CPU a view", "paper, dB", "paper, against 3"], rows)
+            f"does not, and the two sources are each other's nearest neighbours. {PANEL}\n\n"
+            + markdown_table(["views", "PSNR-Y, dB", f"against {least}", "outside the panel", "left out, dB",
+                              f"against {least}", "outside the panel", "CPU a view", "paper, dB", "paper, against 3"],
+                             rows)
             + f"\n\n{setup.picture('views', 'PSNR over views')}\n")
     return Section("views", "Number of views (Table V, Fig. 6)", text)

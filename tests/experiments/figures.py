@@ -10,6 +10,12 @@ def psnr(report: dict) -> float:
     return math.nan if value is None else value
 
 
+def psnr_outside_panels(report: dict) -> float:
+    """The same without pixels that show a plain panel, whose depth is a guess; NaN where zones are not known."""
+    value = report["mean"]["psnrYOutsidePanels"]
+    return math.nan if value is None else value
+
+
 def exact_psnr(report: dict) -> float:
     """The same with exact depth; NaN where it is not known."""
     values = [view["exact"]["psnrY"] for view in report["virtualViews"] if "exact" in view]

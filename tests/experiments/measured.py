@@ -20,6 +20,11 @@ class Measured:
         return [figures.psnr(report) for report in self.reports]
 
     @property
+    def psnr_outside_panels(self) -> list[float]:
+        """The same without the pixels that show a plain panel, dB."""
+        return [figures.psnr_outside_panels(report) for report in self.reports]
+
+    @property
     def mean_psnr(self) -> float:
         return mean_of(self.psnr).mean
 
@@ -30,6 +35,15 @@ class Measured:
     def against(self, other: "Measured") -> Mean:
         """Difference of PSNR-Y, paired over the scenes."""
         return paired(self.psnr, other.psnr)
+
+    def against_outside_panels(self, other: "Measured") -> Mean:
+        return paired(self.psnr_outside_panels, other.psnr_outside_panels)
+
+    def cells(self, anchor: "Measured") -> list[str]:
+        """PSNR-Y, its difference from `anchor`, and that outside the panel; no differences of the anchor itself."""
+        if self is anchor:
+            return [self.psnr_text, "", ""]
+        return [self.psnr_text, self.against(anchor).text(), self.against_outside_panels(anchor).text()]
 
     @property
     def cpu_per_view(self) -> float:
