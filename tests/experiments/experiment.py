@@ -13,6 +13,7 @@ What is done is kept in --work: an interrupted run goes on where it was.
 """
 
 import argparse
+import signal
 import sys
 from pathlib import Path
 
@@ -111,8 +112,13 @@ def make_setup(arguments: argparse.Namespace) -> Setup:
     return setup
 
 
+def interrupt(signum: int, frame: object) -> None:
+    raise KeyboardInterrupt
+
+
 def main() -> int:
     arguments = parser().parse_args()
+    signal.signal(signal.SIGTERM, interrupt)
     try:
         setup = make_setup(arguments)
         for name in (EXPERIMENTS if "all" in arguments.names else arguments.names):

@@ -135,9 +135,15 @@ class Programs:
     def _run(self, program: str, arguments: list[str]) -> str:
         command = [str(self.binaries / program), *arguments]
         try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         except OSError as error:
             raise ProgramError(f"{command[0]} cannot be run: {error.strerror}") from error
-        if done.returncode != 0:
-            raise ProgramError(f"{' '.join(command)}\nended with {done.returncode}: {done.stderr.strip()}")
-        return done.stdout
+        with process:
+            try:
+                output, log = process.communicate()
+            except BaseException:
+                process.terminate()  # `depthfarm run` ends its workers; killed, it could not
+                raise
+        if process.returncode != 0:
+            raise ProgramError(f"{' '.join(command)}\nended with {process.returncode}: {log.strip()}")
+        return output

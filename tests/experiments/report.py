@@ -95,9 +95,11 @@ def write_plot(path: Path, curves: list[Curve], x_label: str, y_label: str, log_
         axes.plot(curve.x, curve.y, style, label=curve.name, markersize=4)
     if log_x:
         axes.set_xscale("log")
+        axes.xaxis.set_minor_locator(ticker.LogLocator(subs=(2, 5)))
         axes.xaxis.set_major_formatter(PLAIN)
-        values = [x for curve in curves for x in curve.x]
-        axes.xaxis.set_minor_formatter(PLAIN if max(values) < 20 * min(values) else ticker.NullFormatter())
+        axes.xaxis.set_minor_formatter(PLAIN)
+    else:
+        axes.set_xticks(sorted({x for curve in curves for x in curve.x}))
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     axes.grid(alpha=0.3)

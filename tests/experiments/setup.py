@@ -53,14 +53,15 @@ class Setup:
         count = "One rendered sequence" if len(self.videos) == 1 else f"{len(self.videos)} rendered sequences"
         return f"{count} of {self.frames} frames ({names})"
 
-    def caption(self, name: str, data: str, run_options: str, evaluate_options: str = "") -> str:
+    def caption(self, name: str, data: str, run_options: str, evaluate_options: str = "",
+                baselines: str = "sgbm") -> str:
         """What was measured on what, how, and by which commands."""
         workers = str(self.programs.workers)
         run = " ".join(["depthfarm run SEQUENCE -o DIR --workers", workers, *self.options, run_options])
         evaluate = f"depthfarm evaluate SEQUENCE DIR {evaluate_options}"
         call = f"experiment.py {name} {self.invocation}"
-        return (f"{data}. {PSNR_NOTE} {INTERVALS}\n\n`{run.strip()}`, `depthfarm-experiments sgbm SEQUENCE -o DIR`, "
-                f"each with `{evaluate.strip()}`; all by `{call.strip()}`.")
+        return (f"{data}. {PSNR_NOTE} {INTERVALS}\n\n`{run.strip()}`, `depthfarm-experiments {baselines} SEQUENCE -o "
+                f"DIR`, each with `{evaluate.strip()}`; all by `{call.strip()}`.")
 
     def picture(self, name: str, title: str) -> str:
         """The link to an experiment's plot, which is at `plot(name)`."""
