@@ -12,13 +12,13 @@ QUICK = [300, 1000, 3000]
 def run(setup: Setup) -> Section:
     counts = QUICK if setup.quick else COUNTS
     reference = 3000 if setup.quick else 100000  # the row the others are compared with: the paper's choice
-    levels = 40 if setup.quick else 100  # fewer than by default: 150,000 segments a view take minutes
+    levels = [] if setup.options else ["--levels", "40" if setup.quick else "100"]  # few: 150,000 segments take minutes
     sequences = [scene.render(setup.programs) for scene in setup.large_scenes]
     measured: dict[tuple[int, int], Measured] = {}  # segments, rounds of refinement
     for count in counts:
         for rounds in (4, 0):
             measured[count, rounds] = setup.measure(
-                sequences, ["--segments", str(count), "--levels", str(levels), "--refine", str(rounds)])
+                sequences, ["--segments", str(count), *levels, "--refine", str(rounds)])
         print(f"segments: {count} done", flush=True)
     sgbm = setup.measure_baseline("sgbm", sequences)
 
@@ -34,7 +34,8 @@ def run(setup: Setup) -> Section:
     if not setup.quick:
         curves.append(Curve("the paper, its sequences", counts, [paper.mean("IV", c) for c in counts], dashed=True))
     write_plot(setup.plot("segments"), curves, "segments a view", "PSNR-Y, dB", log_x=True)
-    caption = setup.caption("segments", setup.where(setup.large_scenes), f"--segments N --levels {levels} --refine R")
+    caption = setup.caption("segments", setup.where(setup.large_scenes),
+                            " ".join(["--segments N", *levels, "--refine R"]))
     text = (f"{caption} {PANEL}\n\n"
             + markdown_table(["segments a view", "--refine 0, dB", f"against {reference:,}", "outside the panel",
                               "refined, dB", f"against {reference:,}", "outside the panel", "CPU a view, --refine 0",
