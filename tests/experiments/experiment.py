@@ -66,10 +66,10 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--levels", help="depth levels of every job (default: chosen by depthfarm; segments: 100)")
     parser.add_argument("--workers", type=int, default=2,
                         help="worker processes (default: 2); changes no figure but CPU's noise")
-    parser.add_argument("--bin", type=Path, default=Path("build/release/bin"),
-                        help="folder of the programs (default: build/release/bin)")
-    parser.add_argument("--work", type=Path, default=Path("experiments"),
-                        help="folder for scenes and results, kept (default: experiments)")
+    parser.add_argument("--bin", type=Path, default=Path("build/ci/bin"),
+                        help="folder of the programs (default: build/ci/bin)")
+    parser.add_argument("--work", type=Path, default=Path("build/experiments"),
+                        help="folder for scenes and results, kept (default: build/experiments)")
     parser.add_argument("--data", type=Path,
                         help="folder of published sets, a folder each: methods measures on them too")
     parser.add_argument("--docs", type=Path, default=Path("docs"),

@@ -90,6 +90,9 @@ class Programs:
 
     def baseline(self, method: str, sequence: Path, options: list[str]) -> Depth:
         """`depthfarm-experiments METHOD`."""
+        if not self.has_baselines():
+            raise ProgramError(f"{self.binaries}/depthfarm-experiments is missing: it is built with the tests (preset ci) "
+                               "where libopencv-calib3d-dev is installed")
         folder = self._folder(f"{sequence.parent.name}-{method}", ["depthfarm-experiments"],
                               [method, str(sequence), *options])
         if not (folder / "cost.json").exists():
