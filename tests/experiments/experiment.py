@@ -7,6 +7,7 @@
   partition  Table VI, Fig. 7   the levels in 1 to 16 parts, interleaved or in blocks
   gop        Table VII, Fig. 8  0 to 49 P frames between I frames: quality and time
   rates      Tables III, VIII   the same, coded as HEVC
+  choices    -                  what the paper leaves open, one choice changed at a time
 
 --quick takes two minutes and checks that everything works; the full mode takes from ten minutes to hours an experiment.
 What is done is kept in --work: an interrupted run goes on where it was.
@@ -17,6 +18,7 @@ import signal
 import sys
 from pathlib import Path
 
+import experiment_choices
 import experiment_gop
 import experiment_methods
 import experiment_partition
@@ -36,6 +38,7 @@ EXPERIMENTS = {
     "partition": experiment_partition.run,
     "gop": experiment_gop.run,
     "rates": experiment_rates.run,
+    "choices": experiment_choices.run,
 }
 
 HEADING = """# Experiments
@@ -61,8 +64,7 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--pixels", type=int, default=VGA,
                         help=f"use its scenes of at most so many pixels a picture (default: {VGA}, which is 640x480); "
                         f"segments uses those of {LARGE}")
-    parser.add_argument("--videos", type=int, choices=[1, 2], default=2,
-                        help="sequences of 50 frames for gop and rates (default: 2)")
+    parser.add_argument("--videos", type=int, default=2, help="sequences of 50 frames for gop and rates (default: 2)")
     parser.add_argument("--levels", help="depth levels of every job (default: chosen by depthfarm; segments: 100)")
     parser.add_argument("--workers", type=int, default=2,
                         help="worker processes (default: 2); changes no figure but CPU's noise")
@@ -102,13 +104,15 @@ def make_setup(arguments: argparse.Namespace) -> Setup:
         return Setup(quick=True, scenes=scenes, large_scenes=scenes, videos=videos, frames=6,
                      list_name="the quick mode", **common)
     scenes = scene_list(arguments.scenes)
-    videos = [SceneSpec("arc", 5, "640x480", seed) for seed in (301, 302)]
+    videos = [SceneSpec("arc", 5, "640x480", 301 + i) for i in range(arguments.videos)]
     setup = Setup(quick=False, scenes=sized(scenes, arguments.pixels)[:arguments.count],
-                  large_scenes=of_size(scenes, LARGE)[:arguments.count], videos=videos[:arguments.videos], frames=50,
+                  large_scenes=of_size(scenes, LARGE)[:arguments.count], videos=videos, frames=50,
                   list_name=f"scene set v1, list *{arguments.scenes}*", **common)
     if not setup.scenes:
         raise ProgramError(
             f"--count {arguments.count} --pixels {arguments.pixels} leaves no scene of {arguments.scenes}")
+    if not setup.videos:
+        raise ProgramError(f"--videos {arguments.videos} leaves no sequence")
     return setup
 
 

@@ -43,13 +43,6 @@ METHODS = [
 ]
 
 
-def present(setup: Setup) -> tuple[list[Method], str]:
-    """The methods this build has, and a sentence on the others."""
-    there = [m for m in METHODS if not m.command or setup.programs.has_baseline(m.command)]
-    missing = [f"{m.name} (`depthfarm-experiments {m.command}`)" for m in METHODS if m not in there]
-    return there, f"\n\nNot in this build, left out: {', '.join(missing)}." if missing else ""
-
-
 def mean_cell(values: list[float], unit: str = " %", digits: int = 1) -> str:
     mean = mean_of(values)
     return "" if math.isnan(mean.mean) else mean.text(digits, sign=False) + unit
@@ -83,24 +76,20 @@ def beside_the_paper(measured: dict[Method, Measured]) -> str:
     text = (f"The paper, on eight other sequences: its method {paper.mean('II', 'proposal dB'):.2f} dB, DERS "
             f"{paper.mean('II', 'DERS dB'):.2f} dB ({gain.text()} dB) in {100 * paper.time_ratio():.0f} % of DERS's "
             "time. DERS itself is not measured here: the pixel-level cut stands for its structure.")
-    planes = named[PLANES]
-    if PIXELS in named:
-        shares = [own.cpu_seconds / other.cpu_seconds for own, other in zip(planes.depths, named[PIXELS].depths)]
-        text += (f" Ours with --refine 0 against it: {planes.against(named[PIXELS]).text()} dB, outside the panel "
-                 f"{planes.against_outside_panels(named[PIXELS]).text()} dB, in {100 * mean_of(shares).mean:.0f} % of "
-                 "its CPU time.")
-    if ALONE in named:
-        text += (f" All views together against one by one, both with --refine 0: {planes.against(named[ALONE]).text()} "
-                 f"dB, outside the panel {planes.against_outside_panels(named[ALONE]).text()} dB.")
-    return text
+    planes, pixels, alone = named[PLANES], named[PIXELS], named[ALONE]
+    shares = [own.cpu_seconds / other.cpu_seconds for own, other in zip(planes.depths, pixels.depths)]
+    text += (f" Ours with --refine 0 against it: {planes.against(pixels).text()} dB, outside the panel "
+             f"{planes.against_outside_panels(pixels).text()} dB, in {100 * mean_of(shares).mean:.0f} % of its CPU.")
+    return text + (f" All views together against one by one, both with --refine 0: {planes.against(alone).text()} dB, "
+                   f"outside the panel {planes.against_outside_panels(alone).text()} dB.")
 
 
-def real_table(setup: Setup, methods: list[Method], data: Path) -> str:
+def real_table(setup: Setup, data: Path) -> str:
     """Single sets, no intervals: a gap below half a decibel says nothing."""
     sets = real_sets.found(data)
     rows = []
     for real in sets:
-        for method in methods:
+        for method in METHODS:
             this = method.measure(setup, [real.sequence(data)], real)
             wrong = [figures.bad_visible(report, "bad1PxPercent") for report in this.reports]
             rows.append([real.label(), method.name, mean_cell(this.psnr, "", 2), mean_cell(wrong), this.cpu_text])
@@ -114,25 +103,24 @@ def real_table(setup: Setup, methods: list[Method], data: Path) -> str:
 
 
 def run(setup: Setup) -> Section:
-    methods, missing = present(setup)
     sequences = [scene.render(setup.programs) for scene in setup.scenes]
     measured = {}
-    for method in methods:
+    for method in METHODS:
         measured[method] = method.measure(setup, sequences)
         print(f"methods: {method.name} done", flush=True)
-    ours = measured[methods[0]]
+    ours = measured[METHODS[0]]
     write_plot(setup.plot("methods"),
                [Curve(method.name, [this.cpu_per_view], [this.mean_psnr]) for method, this in measured.items()],
                "CPU seconds a view", "PSNR-Y, dB", log_x=True)
-    commands = [method.command for method in methods if method.command]
+    commands = [method.command for method in METHODS if method.command]
     caption = setup.caption("methods", setup.where(setup.scenes), "[--refine 0]", baselines="|".join(commands))
     text = (f"{caption} *Bad > 1 px*: of non-occluded pixels of all views; *views agree*: of the pixels that the two "
-            f"sources of a virtual view both see. CPU is that of the whole command. {PANEL}{missing}\n\n"
+            f"sources of a virtual view both see. CPU is that of the whole command. {PANEL}\n\n"
             + markdown_table(["method", "PSNR-Y, dB", "against exact depth", "against depthfarm",
                               "outside the panel, dB", "against depthfarm", "IV-PSNR, dB", "bad > 1 px",
                               "bad > 1 px, thin objects", "bad > 1 px, panel", "views agree", "CPU a view"],
                              rendered_rows(measured, ours))
             + f"\n\n{beside_the_paper(measured)}"
-            + (real_table(setup, methods, setup.data) if setup.data else "")
+            + (real_table(setup, setup.data) if setup.data else "")
             + f"\n\n{setup.picture('methods', 'PSNR over CPU')}\n")
     return Section("methods", "Against other methods (Table II)", text)

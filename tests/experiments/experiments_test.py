@@ -19,7 +19,8 @@ from scenes import of_size, scene_list, sized
 
 HERE = Path(__file__).parent
 BINARIES = ""
-NAMES = ["methods", "segments", "views", "partition", "gop", "rates"]
+PLOTTED = ["methods", "segments", "views", "partition", "gop", "rates"]
+NAMES = [*PLOTTED, "choices"]
 
 
 def experiment(*arguments: str) -> subprocess.CompletedProcess:
@@ -130,7 +131,7 @@ class Experiments(unittest.TestCase):
             self.assertEqual(first.count("| two-pair SGBM |") - 4, len(NAMES))  # rates has it at four quantisers too
             self.assertNotIn("nan", first)
             plots = {path.name: path.read_bytes() for path in (documents / "images").iterdir()}
-            self.assertEqual(sorted(plots), sorted(f"experiment-{name}.svg" for name in NAMES))
+            self.assertEqual(sorted(plots), sorted(f"experiment-{name}.svg" for name in PLOTTED))
             made = sorted((Path(folder) / "work").iterdir())
             self.assertEqual(experiment(*arguments).returncode, 0)
             self.assertEqual((documents / "experiments.md").read_text(), first)

@@ -59,13 +59,6 @@ class Programs:
         """Whether depthfarm-experiments was built (it needs OpenCV's calib3d)."""
         return os.access(self.binaries / "depthfarm-experiments", os.X_OK)
 
-    def has_baseline(self, method: str) -> bool:
-        """Whether depthfarm-experiments knows the method."""
-        if not self.has_baselines():
-            return False
-        listed = self._run("depthfarm-experiments", ["--help"])
-        return any(line.split()[:1] == [method] for line in listed.splitlines())
-
     def scene(self, kind: str, cameras: int, size: str, seed: int, frames: int = 1, noise: float = 1.5,
               gain: float = 0.01) -> Path:
         """The sequence file of a rendered scene."""
@@ -91,8 +84,8 @@ class Programs:
     def baseline(self, method: str, sequence: Path, options: list[str]) -> Depth:
         """`depthfarm-experiments METHOD`."""
         if not self.has_baselines():
-            raise ProgramError(f"{self.binaries}/depthfarm-experiments is missing: it is built with the tests (preset ci) "
-                               "where libopencv-calib3d-dev is installed")
+            raise ProgramError(f"{self.binaries}/depthfarm-experiments is missing: it is built with the tests (preset "
+                               "ci) where libopencv-calib3d-dev is installed")
         folder = self._folder(f"{sequence.parent.name}-{method}", ["depthfarm-experiments"],
                               [method, str(sequence), *options])
         if not (folder / "cost.json").exists():

@@ -57,7 +57,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("list", nargs="*", default=["tuning", "final"], help="tuning, final or both (default)")
     parser.add_argument("--bin", type=Path, default=Path("build/ci/bin"), help="folder of the programs")
-    parser.add_argument("--work", type=Path, default=Path("build/experiments"), help="folder for scenes and results, kept")
+    parser.add_argument("--work", type=Path, default=Path("build/experiments"),
+                        help="folder for scenes and results, kept")
     parser.add_argument("--docs", type=Path, default=Path("docs"), help="scene-set.md is written there")
     arguments = parser.parse_args()
     try:

@@ -1,10 +1,11 @@
-#include "tests/experiments/sgbm_command.h"
+#include "tests/experiments/baseline_command.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <ctime>
 #include <filesystem>
 #include <ostream>
+#include <utility>
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
@@ -14,6 +15,7 @@
 #include "common/media/picture_reader.h"
 #include "common/sequence/depth_manifest.h"
 #include "common/sequence/read_sequence.h"
+#include "tests/experiments/pixel_cut.h"
 #include "tests/experiments/two_pair_sgbm.h"
 
 namespace depthfarm {
@@ -62,9 +64,40 @@ Status WriteDepth(const std::string& output, int frame, const DepthMap& depth, D
 
 double CpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+// Calls `of_view` with each view and its partners.
+template <typename Function>
+Result<std::vector<DepthMap>> ViewByView(const ResolvedJob& job, const std::vector<YcbcrImage>& pictures,
+                                         const Function& of_view) {
+  const auto stereo = [&](std::size_t i) { return StereoView{&pictures[i], job.views[i].camera}; };
+  std::vector<DepthMap> depths;
+  for (std::size_t v = 0; v < job.views.size(); ++v) {
+    std::vector<StereoView> neighbours;
+    for (const int other : Partners(job.views[v])) neighbours.push_back(stereo(static_cast<std::size_t>(other)));
+    DEPTHFARM_ASSIGN_OR_RETURN(DepthMap depth, of_view(stereo(v), neighbours, job.views[v]));
+    depths.push_back(std::move(depth));
+  }
+  return depths;
+}
+
 }  // namespace
 
-Status RunSgbm(const SgbmCommandOptions& options, std::ostream& out) {
+Result<std::vector<DepthMap>> SgbmOfFrame(const ResolvedJob& job, std::vector<YcbcrImage> pictures) {
+  return ViewByView(job, pictures,
+                    [](const StereoView& view, const std::vector<StereoView>& neighbours, const JobView& of_job) {
+                      return EstimateBySgbm(view, neighbours, of_job.own_range);
+                    });
+}
+
+Result<std::vector<DepthMap>> PixelCutOfFrame(const ResolvedJob& job, std::vector<YcbcrImage> pictures) {
+  const DepthLevels levels = job.Levels();
+  return ViewByView(job, pictures,
+                    [&](const StereoView& view, const std::vector<StereoView>& neighbours, const JobView& /*of_job*/) {
+                      return EstimateByPixelCut(view, neighbours, levels, {});
+                    });
+}
+
+Status RunBaseline(const BaselineCommandOptions& options, const std::string& name, const FrameMethod& method,
+                   std::ostream& out) {
   DEPTHFARM_ASSIGN_OR_RETURN(const Sequence sequence, ReadSequence(options.sequence));
   EstimationParams params;
   params.views = options.views;
@@ -85,19 +118,15 @@ Status RunSgbm(const SgbmCommandOptions& options, std::ostream& out) {
 
   double seconds = 0;
   for (int frame = job.params.first_frame; frame < job.params.end_frame; ++frame) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<YcbcrImage> pictures,
-                               ReadFrame(sequence, job, frame, manifest.cameras));
-    for (std::size_t v = 0; v < job.views.size(); ++v) {
-      const auto stereo = [&](std::size_t i) { return StereoView{&pictures[i], job.views[i].camera}; };
-      std::vector<StereoView> neighbours;
-      for (const int other : Partners(job.views[v])) neighbours.push_back(stereo(static_cast<std::size_t>(other)));
-      const double start = CpuSeconds();
-      DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap depth, EstimateBySgbm(stereo(v), neighbours, job.views[v].own_range));
-      seconds += CpuSeconds() - start;
-      DEPTHFARM_RETURN_IF_ERROR(WriteDepth(options.output, frame, depth, manifest.cameras[v]));
+    DEPTHFARM_ASSIGN_OR_RETURN(std::vector<YcbcrImage> pictures, ReadFrame(sequence, job, frame, manifest.cameras));
+    const double start = CpuSeconds();
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<DepthMap> depths, method(job, std::move(pictures)));
+    seconds += CpuSeconds() - start;
+    for (std::size_t v = 0; v < depths.size(); ++v) {
+      DEPTHFARM_RETURN_IF_ERROR(WriteDepth(options.output, frame, depths[v], manifest.cameras[v]));
     }
   }
-  out << "two-pair SGBM: " << job.num_frames << " frames of " << job.num_views() << " views, "
+  out << name << ": " << job.num_frames << " frames of " << job.num_views() << " views, "
       << seconds / (job.num_frames * job.num_views()) << " CPU s a view\n";
   return WriteDepthManifest(options.output, manifest);
 }
