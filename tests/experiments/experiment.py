@@ -1,11 +1,20 @@
 #!/usr/bin/python3
 """Reruns the paper's tables with the programs of a build and writes them, beside the paper's, into docs/experiments.md.
 
---quick takes minutes and checks that everything works; the full mode takes hours. What is done is kept in --work: an
-interrupted run goes on where it was.
+  methods    Table II           ours, the paper's planes, two-pair SGBM, pixel-level cut, views one by one
+  segments   Table IV, Fig. 5   1,000 to 150,000 segments a view
+  views      Table V, Fig. 6    3 to 8 views estimated together
+  partition  Table VI, Fig. 7   the levels in 1 to 16 parts, interleaved or in blocks
+  gop        Table VII, Fig. 8  0 to 49 P frames between I frames: quality and time
+  rates      Tables III, VIII   the same, coded as HEVC
+  choices    -                  what the paper leaves open, one choice changed at a time
+
+--quick takes two minutes and checks that everything works; the full mode takes from ten minutes to hours an experiment.
+What is done is kept in --work: an interrupted run goes on where it was.
 """
 
 import argparse
+import signal
 import sys
 from pathlib import Path
 
@@ -13,11 +22,13 @@ import experiment_choices
 import experiment_gop
 import experiment_methods
 import experiment_partition
+import experiment_rates
 import experiment_segments
 import experiment_views
+import real_sets
 from programs import ProgramError, Programs
 from report import write_section
-from scenes import SceneSpec, scene_list, sized
+from scenes import SceneSpec, of_size, scene_list, sized
 from setup import Setup
 
 EXPERIMENTS = {
@@ -26,46 +37,92 @@ EXPERIMENTS = {
     "views": experiment_views.run,
     "partition": experiment_partition.run,
     "gop": experiment_gop.run,
+    "rates": experiment_rates.run,
     "choices": experiment_choices.run,
 }
 
 HEADING = """# Experiments
 
-The paper's experiments on our own data: trend against trend, for the sequences differ. Rendered scenes: `scene-set.md`. Each
-section is written by `tests/experiments/experiment.py NAME`.
+The paper's experiments on our own data: trend against trend, for the sequences differ. Rendered scenes: `scene-set.md`.
+Each section is written by `tests/experiments/experiment.py NAME`.
 """
 
 VGA = 640 * 480
+LARGE = "1024x768"  # for 150,000 segments a view: five pixels each
+
+
+def parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="+", choices=[*EXPERIMENTS, "all"], metavar="NAME",
+                        help="of an experiment, or all")
+    mode = parser.add_mutually_exclusive_group()
+    mode.add_argument("--quick", action="store_true", help="tiny scenes: the figures mean nothing")
+    mode.add_argument("--full", action="store_true", help="what is published (default)")
+    parser.add_argument("--scenes", choices=["tuning", "final"], default="final",
+                        help="list of scene set v1 (default: final; choices are made on tuning)")
+    parser.add_argument("--count", type=int, default=20, help="use the first so many of its scenes (default: all)")
+    parser.add_argument("--pixels", type=int, default=VGA,
+                        help=f"use its scenes of at most so many pixels a picture (default: {VGA}, which is 640x480); "
+                        f"segments uses those of {LARGE}")
+    parser.add_argument("--videos", type=int, default=2, help="sequences of 50 frames for gop and rates (default: 2)")
+    parser.add_argument("--levels", help="depth levels of every job (default: chosen by depthfarm; segments: 100)")
+    parser.add_argument("--workers", type=int, default=2,
+                        help="worker processes (default: 2); changes no figure but CPU's noise")
+    parser.add_argument("--bin", type=Path, default=Path("build/ci/bin"),
+                        help="folder of the programs (default: build/ci/bin)")
+    parser.add_argument("--work", type=Path, default=Path("build/experiments"),
+                        help="folder for scenes and results, kept (default: build/experiments)")
+    parser.add_argument("--data", type=Path,
+                        help="folder of published sets, a folder each: methods measures on them too")
+    parser.add_argument("--docs", type=Path, default=Path("docs"),
+                        help="experiments.md and images/ are written there (default: docs)")
+    return parser
+
+
+def invocation(arguments: argparse.Namespace) -> str:
+    """The options that change what is measured, as they were given."""
+    given = ["--quick"] if arguments.quick else []
+    defaults = {"scenes": "final", "count": 20, "pixels": VGA, "videos": 2, "levels": None}
+    for name, default in defaults.items():
+        if getattr(arguments, name) != default:
+            given += [f"--{name}", str(getattr(arguments, name))]
+    return " ".join([*given, *(["--data DIR"] if arguments.data else [])])
 
 
 def make_setup(arguments: argparse.Namespace) -> Setup:
-    docs = arguments.docs
-    work = arguments.work
+    if arguments.data and not arguments.data.is_dir():
+        raise ProgramError(f"--data {arguments.data} is not a folder")
+    if arguments.data and not real_sets.found(arguments.data):
+        wanted = ", ".join(real.name for real in real_sets.REAL_SETS)
+        raise ProgramError(f"--data {arguments.data} has none of {wanted}")
+    common = {"programs": Programs(arguments.bin, arguments.work, arguments.workers),
+              "images": arguments.docs / "images", "invocation": invocation(arguments), "data": arguments.data,
+              "options": ["--levels", arguments.levels] if arguments.levels else []}
     if arguments.quick:
         scenes = [SceneSpec("arc", 4, "192x144", 1), SceneSpec("line", 4, "192x144", 2)]
         videos = [SceneSpec("arc", 4, "192x144", 3)]
-        return Setup(Programs(arguments.bin, work, 2), True, scenes, videos, 6, docs / "images", "the quick mode")
-    scenes = sized(scene_list(arguments.scenes), arguments.pixels)[:arguments.count]
+        return Setup(quick=True, scenes=scenes, large_scenes=scenes, videos=videos, frames=6,
+                     list_name="the quick mode", **common)
+    scenes = scene_list(arguments.scenes)
     videos = [SceneSpec("arc", 5, "640x480", 301 + i) for i in range(arguments.videos)]
-    name = f"*{arguments.scenes}* of at most {arguments.pixels:,} pixels"
-    return Setup(Programs(arguments.bin, work, arguments.workers), False, scenes, videos, 50, docs / "images", name)
+    setup = Setup(quick=False, scenes=sized(scenes, arguments.pixels)[:arguments.count],
+                  large_scenes=of_size(scenes, LARGE)[:arguments.count], videos=videos, frames=50,
+                  list_name=f"scene set v1, list *{arguments.scenes}*", **common)
+    if not setup.scenes:
+        raise ProgramError(
+            f"--count {arguments.count} --pixels {arguments.pixels} leaves no scene of {arguments.scenes}")
+    if not setup.videos:
+        raise ProgramError(f"--videos {arguments.videos} leaves no sequence")
+    return setup
+
+
+def interrupt(signum: int, frame: object) -> None:
+    raise KeyboardInterrupt
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("names", nargs="+", choices=[*EXPERIMENTS, "all"], metavar="NAME",
-                        help=", ".join(EXPERIMENTS) + " or all")
-    parser.add_argument("--quick", action="store_true", help="tiny scenes, minutes: figures mean nothing")
-    parser.add_argument("--scenes", choices=["tuning", "final"], default="final", help="list of scene set v1 (default: final)")
-    parser.add_argument("--count", type=int, default=20, help="use the first so many of its scenes (default: all)")
-    parser.add_argument("--pixels", type=int, default=VGA,
-                        help="use scenes with at most so many pixels a picture (default: 640x480)")
-    parser.add_argument("--videos", type=int, default=2, help="sequences of 50 frames that gop uses (default: 2)")
-    parser.add_argument("--workers", type=int, default=2, help="worker processes (default: 2); changes no figure but CPU's noise")
-    parser.add_argument("--bin", type=Path, default=Path("build/release/bin"), help="folder of the programs")
-    parser.add_argument("--work", type=Path, default=Path("experiments"), help="folder for scenes and results, kept")
-    parser.add_argument("--docs", type=Path, default=Path("docs"), help="experiments.md and images/ are written there")
-    arguments = parser.parse_args()
+    arguments = parser().parse_args()
+    signal.signal(signal.SIGTERM, interrupt)
     try:
         setup = make_setup(arguments)
         for name in (EXPERIMENTS if "all" in arguments.names else arguments.names):
@@ -74,6 +131,9 @@ def main() -> int:
     except ProgramError as error:
         print(f"experiment.py: {error}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("experiment.py: interrupted; the same command goes on from here", file=sys.stderr)
+        return 130
     return 0
 
 

@@ -1,53 +1,57 @@
 """Table VI and Fig. 7: the levels split into parts, in blocks or interleaved."""
 
-import figures
 import paper
-from paired import mean_of, paired
+from measured import Measured
 from report import Curve, Section, markdown_table, write_plot
-from setup import PSNR_NOTE, Setup
+from setup import PANEL, SGBM, Setup
+
+WHOLE = ("whole", 1)
+REFINED = (1, 6, 16)  # refinement starts from what the cut left: a few rows show how much of the loss it keeps
+
+
+def paper_column(split: tuple[str, int]) -> str:
+    return f"{split[0]} {split[1]}"
 
 
 def run(setup: Setup) -> Section:
     parts = [1, 2, 6] if setup.quick else [1, 2, 4, 6, 8, 16]
     sequences = [scene.render(setup.programs) for scene in setup.scenes]
-    sgbm = [figures.psnr(setup.programs.evaluate(s, setup.programs.baseline("sgbm", s, []), [])) for s in sequences]
-    psnr: dict[tuple[str, int, int], list[float]] = {}  # (partition, parts, rounds) -> per scene
-    cpu: dict[tuple[str, int], float] = {}
-    kinds = [("", 1)] + [(kind, n) for kind in ("interleaved", "blocks") for n in parts if n > 1]
-    refined = (1, 6, 16)  # refinement starts from what the cut left: a few rows show how much of the loss it keeps
-    for kind, n in kinds:
-        options = ["--level-blocks", str(n)] + (["--partition", kind] if kind else [])
-        for rounds in (0, 4) if n in refined else (0,):
-            depths = [setup.estimate(s, [*options, "--refine", str(rounds)]) for s in sequences]
-            psnr[kind, n, rounds] = [figures.psnr(setup.programs.evaluate(s, d, [])) for s, d in zip(sequences, depths)]
-            if rounds == 0:
-                cpu[kind, n] = sum(depth.cpu_per_view for depth in depths) / len(depths)
-        print(f"partition: {kind or 'whole'} {n} done", flush=True)
+    splits = [WHOLE] + [(kind, n) for kind in ("interleaved", "blocks") for n in parts if n > 1]
+    measured: dict[tuple[str, int, int], Measured] = {}  # partition, parts, rounds of refinement
+    for kind, n in splits:
+        options = ["--level-blocks", str(n)] + (["--partition", kind] if n > 1 else [])
+        for rounds in (0, 4) if n in REFINED else (0,):
+            measured[kind, n, rounds] = setup.measure(sequences, [*options, "--refine", str(rounds)])
+        print(f"partition: {kind} {n} done", flush=True)
+    sgbm = setup.measure_baseline("sgbm", sequences)
+
     rows = []
-    for kind, n in kinds:
-        row = [str(n), kind or "whole"]
+    for kind, n in splits:
+        row = [str(n), kind]
         for rounds in (0, 4):
-            if (kind, n, rounds) not in psnr:
-                row += ["", ""]
-                continue
-            row.append(mean_of(psnr[kind, n, rounds]).text(sign=False))
-            row.append("" if n == 1 else paired(psnr[kind, n, rounds], psnr["", 1, rounds]).text())
-        row.append(f"{cpu[kind, n]:.1f} s")
-        known = (kind, n) in paper.PARTITION
-        row.append(f"{paper.PARTITION[kind, n] - paper.PARTITION['', 1]:+.2f}" if known and n > 1 else "")
+            this = measured.get((kind, n, rounds))
+            row += this.cells(measured[*WHOLE, rounds]) if this else ["", "", ""]
+        row.append(measured[kind, n, 0].cpu_text)
+        row.append(paper.mean_text("VI", paper_column((kind, n))))
+        row.append(paper.against_text("VI", paper_column((kind, n)), paper_column(WHOLE)))
         rows.append(row)
+    rows.append([SGBM, "", *sgbm.cells(measured[*WHOLE, 0]), *sgbm.cells(measured[*WHOLE, 4]), sgbm.cpu_text, "", ""])
+
     curves = []
     for kind in ("interleaved", "blocks"):
         for rounds in (0, 4):
-            measured = [n for k, n in kinds if k == kind and (k, n, rounds) in psnr]
-            losses = [paired(psnr[kind, n, rounds], psnr["", 1, rounds]).mean for n in measured]
-            curves.append(Curve(f"{kind}, --refine {rounds}", [1, *measured], [0.0, *losses]))
-    curves += [Curve(f"the paper, {kind}", [1, 2, 4, 6],
-                     [0.0] + [paper.PARTITION[kind, n] - paper.PARTITION["", 1] for n in (2, 4, 6)], dashed=True)
-               for kind in ("interleaved", "blocks")]
-    write_plot(setup.images / "experiment-partition.svg", curves, "parts", "PSNR-Y against one part, dB")
-    text = (f"{setup.where()}. {PSNR_NOTE} Two-pair SGBM: {mean_of(sgbm).text(sign=False)} dB.\n\n" +
-            markdown_table(["parts", "levels", "--refine 0, dB", "against one part", "refined, dB", "against one part",
-                            "CPU a view, --refine 0", "paper, against one part"], rows) +
-            f"\n\n![Loss over parts]({setup.images_link}/experiment-partition.svg)\n")
+            counts = [n for k, n in splits if k == kind and (k, n, rounds) in measured]
+            losses = [measured[kind, n, rounds].against(measured[*WHOLE, rounds]).mean for n in counts]
+            curves.append(Curve(f"{kind}, --refine {rounds}", [1, *counts], [0.0, *losses]))
+    for kind in ("interleaved", "blocks"):
+        losses = [paper.against("VI", paper_column((kind, n)), paper_column(WHOLE)).mean for n in (2, 4, 6)]
+        curves.append(Curve(f"the paper, {kind}", [1, 2, 4, 6], [0.0, *losses], dashed=True))
+    write_plot(setup.plot("partition"), curves, "parts", "PSNR-Y against one part, dB")
+    caption = setup.caption("partition", setup.where(setup.scenes), "--level-blocks N --partition P --refine R")
+    text = (f"{caption} CPU is that of all parts and merges: what splitting costs in total, not how long it takes on N "
+            f"machines. {PANEL}\n\n"
+            + markdown_table(["parts", "levels", "--refine 0, dB", "against one part", "outside the panel",
+                              "refined, dB", "against one part", "outside the panel", "CPU a view, --refine 0",
+                              "paper, dB", "paper, against one part"], rows)
+            + f"\n\n{setup.picture('partition', 'Loss over parts')}\n")
     return Section("partition", "Splitting the levels (Table VI, Fig. 7)", text)

@@ -2,44 +2,52 @@
 
 from dataclasses import replace
 
-import figures
 import paper
-from paired import mean_of, paired
-from report import Curve, Section, markdown_table, write_plot
-from setup import PSNR_NOTE, Setup
+from report import Curve, Section, flat, markdown_table, write_plot
+from setup import PANEL, SGBM, Setup
+
+
+def names(cameras: list[int]) -> str:
+    """As --views and --from take them.
+
+    >>> names([4, 2])
+    'cam2,cam4'
+    """
+    return ",".join(f"cam{camera}" for camera in sorted(cameras))
 
 
 def run(setup: Setup) -> Section:
     """The virtual view is always the same, from the same two; the views estimated with them grow outwards."""
-    counts = [3, 4] if setup.quick else list(paper.VIEWS)
-    cameras = max(counts) + 1  # one is left out
-    scenes = [replace(scene, kind="arc", cameras=cameras) for scene in setup.scenes[:4]]
-    sequences = [scene.render(setup.programs) for scene in scenes]
+    counts = [3, 4] if setup.quick else [3, 4, 5, 6, 7, 8]
+    cameras = max(counts) + 1  # as many again without the middle one
+    sequences = [replace(scene, kind="arc", cameras=cameras).render(setup.programs) for scene in setup.scenes[:4]]
     middle = cameras // 2
     outwards = sorted(range(cameras), key=lambda i: (abs(i - middle), i))
-    figure_options = ["--view", f"cam{middle}", "--from", f"cam{middle - 1},cam{middle + 1}"]
-    psnr: dict[int, list[float]] = {}
-    cpu: dict[int, float] = {}
+    evaluate = ["--view", names([middle]), "--from", names([middle - 1, middle + 1])]
+    with_view, without = {}, {}
     for count in counts:
-        views = [f"cam{i}" for i in sorted(outwards[1:count + 1])]  # without the virtual one itself
-        depths = [setup.estimate(s, ["--views", ",".join(views)]) for s in sequences]
-        psnr[count] = [figures.psnr(setup.programs.evaluate(s, d, figure_options)) for s, d in zip(sequences, depths)]
-        cpu[count] = sum(depth.cpu_per_view for depth in depths) / len(depths)
+        with_view[count] = setup.measure(sequences, ["--views", names(outwards[:count])], evaluate)
+        without[count] = setup.measure(sequences, ["--views", names(outwards[1:count + 1])], evaluate)
         print(f"views: {count} done", flush=True)
-    sgbm = [figures.psnr(setup.programs.evaluate(s, setup.programs.baseline("sgbm", s, []), figure_options))
-            for s in sequences]
-    least = min(psnr)
-    rows = [[str(count), mean_of(psnr[count]).text(sign=False),
-             "" if count == least else paired(psnr[count], psnr[least]).text(), f"{cpu[count]:.1f} s",
-             f"{paper.VIEWS[count]:.2f}", f"{paper.VIEWS[count] - paper.VIEWS[least]:+.2f}"] for count in psnr]
-    plot = setup.images / "experiment-views.svg"
-    write_plot(plot, [Curve("depthfarm", list(psnr), [mean_of(psnr[c]).mean for c in psnr]),
-                      Curve("the paper, its sequences", list(psnr), [paper.VIEWS[c] for c in psnr], dashed=True)],
+    sgbm = setup.measure_baseline("sgbm", sequences, [], evaluate)
+    sgbm_without = setup.measure_baseline("sgbm", sequences, ["--views", names(outwards[1:])], evaluate)
+
+    least = min(counts)
+    rows = [[str(n), *with_view[n].cells(with_view[least]), *without[n].cells(without[least]), with_view[n].cpu_text,
+             paper.mean_text("V", n), paper.against_text("V", n, 3)] for n in counts]
+    rows.append([SGBM, *sgbm.cells(with_view[least]), *sgbm_without.cells(without[least]), sgbm.cpu_text, "", ""])
+    write_plot(setup.plot("views"),
+               [Curve("depthfarm", counts, [with_view[n].mean_psnr for n in counts]),
+                Curve("depthfarm, virtual view left out", counts, [without[n].mean_psnr for n in counts]),
+                flat(SGBM, counts, sgbm.mean_psnr),
+                Curve("the paper, its sequences", counts, [paper.mean("V", n) for n in counts], dashed=True)],
                "views estimated together", "PSNR-Y, dB")
-    text = (f"{len(scenes)} arcs with the seeds, sizes and noise of {setup.scene_list}; the virtual view is left out of the "
-            f"estimation and always made from the same two. {PSNR_NOTE} Two-pair SGBM, which has the left-out picture "
-            f"too: {mean_of(sgbm).text(sign=False)} dB.\n\n" +
-            markdown_table(["views", "PSNR-Y, dB", f"against {least}", "CPU a view", "paper, dB",
-                            f"paper, against {least}"], rows) +
-            f"\n\n![PSNR over views]({setup.images_link}/experiment-views.svg)\n")
+    data = f"{len(sequences)} arcs with the seeds, sizes and noise of {setup.list_name}, one frame each"
+    caption = setup.caption("views", data, "--views A,B,...", " ".join(evaluate))
+    text = (f"{caption} As in the paper, the picture that is synthesised takes part in the estimation; *left out*: it "
+            f"does not, and the two sources are each other's nearest neighbours. {PANEL}\n\n"
+            + markdown_table(["views", "PSNR-Y, dB", f"against {least}", "outside the panel", "left out, dB",
+                              f"against {least}", "outside the panel", "CPU a view", "paper, dB", "paper, against 3"],
+                             rows)
+            + f"\n\n{setup.picture('views', 'PSNR over views')}\n")
     return Section("views", "Number of views (Table V, Fig. 6)", text)

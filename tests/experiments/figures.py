@@ -1,11 +1,19 @@
 """What the experiments read from `depthfarm evaluate --json`: the only place that knows its field names."""
 
 import math
+from dataclasses import dataclass
 
 
 def psnr(report: dict) -> float:
-    """PSNR-Y of the virtual views, dB, 16-235 BT.601: mean over views and frames."""
-    return report["mean"]["psnrY"]
+    """PSNR-Y of the virtual views, dB, 16-235 BT.601: mean over views and frames; NaN without virtual views."""
+    value = report["mean"]["psnrY"]
+    return math.nan if value is None else value
+
+
+def psnr_outside_panels(report: dict) -> float:
+    """The same without pixels that show a plain panel, whose depth is a guess; NaN where zones are not known."""
+    value = report["mean"]["psnrYOutsidePanels"]
+    return math.nan if value is None else value
 
 
 def exact_psnr(report: dict) -> float:
@@ -23,6 +31,12 @@ def bad(report: dict, field: str, zone: str = "non-occluded") -> float:
     """Share of wrong pixels of all views, percent; `field` as "bad1PxPercent"."""
     zones = report.get("depthError", {}).get("allViews", {})
     return zones[zone][field] if zone in zones else math.nan
+
+
+def bad_visible(report: dict, field: str) -> float:
+    """Share of wrong pixels among the non-occluded; where occlusions are not known, among all."""
+    value = bad(report, field)
+    return bad(report, field, "all") if math.isnan(value) else value
 
 
 def share_of_zone(report: dict, zone: str) -> float:
@@ -54,12 +68,24 @@ def bd_rate_depth(report: dict) -> float:
     return math.nan if value is None else value
 
 
-def rate_curve(report: dict) -> list[tuple[int, float, float]]:
-    """(QP, bits a picture, PSNR-Y of the coded picture), means over the virtual views."""
-    curves = list(report["rates"]["virtualViews"].values())
+@dataclass(frozen=True)
+class RatePoint:
+    """One quantiser: means over the virtual views."""
+
+    qp: int
+    bits: float  # a picture
+    psnr: float  # PSNR-Y of the coded view against the view before coding, dB
+
+
+def rate_curve(report: dict) -> list[RatePoint]:
+    """The virtual views of a report, coded."""
     result = []
-    for points in zip(*curves):
-        count = len(points)
-        result.append((points[0]["qp"], sum(p["bitsPerPicture"] for p in points) / count,
-                       sum(p["psnrY"] for p in points) / count))
+    for points in zip(*report["rates"]["virtualViews"].values()):
+        result.append(RatePoint(points[0]["qp"], sum(p["bitsPerPicture"] for p in points) / len(points),
+                                sum(p["psnrY"] for p in points) / len(points)))
     return result
+
+
+def encoder(report: dict) -> str:
+    """What the views were coded by."""
+    return report["rateEncoder"]

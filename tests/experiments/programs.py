@@ -19,29 +19,40 @@ class Depth:
     """Depth of a sequence, and what it cost."""
 
     folder: Path
-    cpu_seconds: float  # user + system, of all stages
+    stages: dict[str, float]  # CPU seconds, user + system, by stage of the job; a baseline is one stage
     views: int
     frames: int
 
     @property
+    def cpu_seconds(self) -> float:
+        return sum(self.stages.values())
+
+    @property
     def cpu_per_view(self) -> float:
+        """Of one frame."""
         return self.cpu_seconds / (self.views * self.frames)
+
+    def cpu_per_frame(self, *without: str) -> float:
+        """Of all views, but not of the stages named."""
+        return sum(cpu for stage, cpu in self.stages.items() if stage not in without) / self.frames
 
 
 class Programs:
     """The programs of one build, and a folder for what they make.
 
-    Results are named by the digest of the command and of the programs that make them: another build measures anew.
+    Results are named by the digest of the command and of the bytes of the programs that make them: another build
+    measures anew, for its --version does not tell whether its depth is the same.
     """
 
     def __init__(self, binaries: Path, work: Path, workers: int) -> None:
         self.binaries = binaries.resolve()
         self.work = work.resolve()
         self.workers = workers
-        self.work.mkdir(parents=True, exist_ok=True)
         for name in ("depthfarm", "depthfarm-media", "depthfarm-coordinator", "depthfarm-worker"):
             if not os.access(self.binaries / name, os.X_OK):
-                raise ProgramError(f"{self.binaries / name} is missing: build depthfarm and name its bin folder with --bin")
+                raise ProgramError(
+                    f"{self.binaries / name} is missing: build depthfarm and name its bin folder with --bin")
+        self.work.mkdir(parents=True, exist_ok=True)
         self._digests: dict[str, str] = {}
 
     def has_baselines(self) -> bool:
@@ -67,11 +78,14 @@ class Programs:
                 "depthfarm", ["run", str(sequence), "-o", str(part), "--workers", str(self.workers), *options]))
         report = json.loads((folder / "run.json").read_text())
         manifest = json.loads((folder / "depth.json").read_text())
-        cpu = sum(stage["cpuSeconds"] for stage in report["stages"])
-        return Depth(folder, cpu, len(manifest["cameras"]), report["framesTotal"])
+        stages = {stage["stage"]: stage["cpuSeconds"] for stage in report["stages"]}
+        return Depth(folder, stages, len(manifest["cameras"]), report["framesTotal"])
 
     def baseline(self, method: str, sequence: Path, options: list[str]) -> Depth:
         """`depthfarm-experiments METHOD`."""
+        if not self.has_baselines():
+            raise ProgramError(f"{self.binaries}/depthfarm-experiments is missing: it is built with the tests (preset "
+                               "ci) where libopencv-calib3d-dev is installed")
         folder = self._folder(f"{sequence.parent.name}-{method}", ["depthfarm-experiments"],
                               [method, str(sequence), *options])
         if not (folder / "cost.json").exists():
@@ -84,7 +98,7 @@ class Programs:
             self._make(folder, make)
         manifest = json.loads((folder / "depth.json").read_text())
         cpu = json.loads((folder / "cost.json").read_text())["cpuSeconds"]
-        return Depth(folder, cpu, len(manifest["cameras"]), len(manifest["cameras"][0]["files"]))
+        return Depth(folder, {method: cpu}, len(manifest["cameras"]), len(manifest["cameras"][0]["files"]))
 
     def evaluate(self, sequence: Path, depth: Depth, options: list[str]) -> dict:
         """`depthfarm evaluate --json`."""
@@ -116,7 +130,16 @@ class Programs:
 
     def _run(self, program: str, arguments: list[str]) -> str:
         command = [str(self.binaries / program), *arguments]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise ProgramError(f"{' '.join(command)}\nended with {done.returncode}: {done.stderr.strip()}")
-        return done.stdout
+        try:
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        except OSError as error:
+            raise ProgramError(f"{command[0]} cannot be run: {error.strerror}") from error
+        with process:
+            try:
+                output, log = process.communicate()
+            except BaseException:
+                process.terminate()  # `depthfarm run` ends its workers; killed, it could not
+                raise
+        if process.returncode != 0:
+            raise ProgramError(f"{' '.join(command)}\nended with {process.returncode}: {log.strip()}")
+        return output

@@ -8,7 +8,9 @@ from pathlib import Path
 import matplotlib
 
 matplotlib.use("Agg")
-from matplotlib import pyplot  # noqa: E402  (the backend comes first)
+from matplotlib import pyplot, ticker  # noqa: E402  (the backend comes first)
+
+PLAIN = ticker.FuncFormatter(lambda value, position: f"{value:,g}")
 
 
 @dataclass
@@ -76,16 +78,28 @@ class Curve:
     x: list[float]
     y: list[float]
     dashed: bool = False  # the paper's
+    markers: bool = True
+
+
+def flat(name: str, x: list[float], y: float) -> Curve:
+    """What does not depend on x."""
+    return Curve(name, [min(x), max(x)], [y, y], markers=False)
 
 
 def write_plot(path: Path, curves: list[Curve], x_label: str, y_label: str, log_x: bool = False) -> None:
-    """Lines with markers over x."""
+    """Lines over x; the same bytes for the same curves, for neither date nor random ids are written."""
     matplotlib.rcParams["svg.hashsalt"] = "depthfarm"
     figure, axes = pyplot.subplots(figsize=(6, 3.6))
     for curve in curves:
-        axes.plot(curve.x, curve.y, "--o" if curve.dashed else "-o", label=curve.name, markersize=4)
+        style = ("--" if curve.dashed else "-") + ("o" if curve.markers else "")
+        axes.plot(curve.x, curve.y, style, label=curve.name, markersize=4)
     if log_x:
         axes.set_xscale("log")
+        axes.xaxis.set_minor_locator(ticker.LogLocator(subs=(2, 5)))
+        axes.xaxis.set_major_formatter(PLAIN)
+        axes.xaxis.set_minor_formatter(PLAIN)
+    else:
+        axes.set_xticks(sorted({x for curve in curves for x in curve.x}))
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     axes.grid(alpha=0.3)

@@ -38,3 +38,8 @@ def sized(scenes: list[SceneSpec], largest_pixels: int) -> list[SceneSpec]:
         width, height = scene.size.split("x")
         return int(width) * int(height)
     return [scene for scene in scenes if pixels(scene) <= largest_pixels]
+
+
+def of_size(scenes: list[SceneSpec], size: str) -> list[SceneSpec]:
+    """Those whose pictures are of that size."""
+    return [scene for scene in scenes if scene.size == size]

@@ -3,8 +3,16 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from programs import Depth, Programs
+from measured import Measured
+from programs import Programs
 from scenes import SceneSpec
+
+PSNR_NOTE = ("PSNR-Y in 16-235 BT.601 (full range is 1.3 dB lower) of the views that lie between two others, each "
+             "synthesised by `depthfarm evaluate` from the pictures and depth of these two.")
+INTERVALS = "Differences are paired; ± is the 95 % interval over scenes, of the paper's over its eight sequences."
+PANEL = ("A plain panel fills a tenth of each scene; its depth is a guess, and where the guess is wrong it decides the "
+         "PSNR of the whole view: hence also figures without the pixels that show it.")
+SGBM = "two-pair SGBM"
 
 
 @dataclass
@@ -14,25 +22,50 @@ class Setup:
     programs: Programs
     quick: bool
     scenes: list[SceneSpec]  # single frames
+    large_scenes: list[SceneSpec]  # single frames that have room for many segments
     videos: list[SceneSpec]  # sequences
     frames: int  # of a video
     images: Path  # folder for plots
-    scene_list: str  # what the tables call `scenes`
+    list_name: str  # what the tables call the list the scenes are from
+    invocation: str = ""  # the options of experiment.py that change what is measured
     data: Path | None = None  # folder of real sets
-    images_link: str = "images"  # the same as seen from the document
     options: list[str] = field(default_factory=list)  # of every `depthfarm run`
 
-    def estimate(self, sequence: Path, options: list[str]) -> Depth:
-        return self.programs.estimate(sequence, [*self.options, *options])
+    def measure(self, sequences: list[Path], options: list[str], evaluate: list[str] | None = None) -> Measured:
+        """`depthfarm run` and `depthfarm evaluate` of every sequence."""
+        depths = [self.programs.estimate(s, [*self.options, *options]) for s in sequences]
+        return Measured(depths, [self.programs.evaluate(s, d, evaluate or []) for s, d in zip(sequences, depths)])
 
-    def where(self, scenes: list[SceneSpec] | None = None) -> str:
-        """A sentence on the data."""
-        return f"{len(scenes or self.scenes)} scenes of {self.scene_list}, one frame each"
+    def measure_baseline(self, method: str, sequences: list[Path], options: list[str] | None = None,
+                         evaluate: list[str] | None = None) -> Measured:
+        """`depthfarm-experiments METHOD` and `depthfarm evaluate` of every sequence."""
+        depths = [self.programs.baseline(method, s, options or []) for s in sequences]
+        return Measured(depths, [self.programs.evaluate(s, d, evaluate or []) for s, d in zip(sequences, depths)])
+
+    def where(self, scenes: list[SceneSpec]) -> str:
+        """The data of an experiment on single frames."""
+        sizes = ", ".join(sorted({scene.size for scene in scenes}))
+        return f"{len(scenes)} scenes of {self.list_name} ({sizes}), one frame each"
 
     def where_videos(self) -> str:
+        """The data of an experiment on sequences."""
         names = ", ".join(f"{v.kind} seed {v.seed}, {v.cameras} views of {v.size}" for v in self.videos)
-        return f"rendered sequences of {self.frames} frames ({names})"
+        count = "One rendered sequence" if len(self.videos) == 1 else f"{len(self.videos)} rendered sequences"
+        return f"{count} of {self.frames} frames ({names})"
 
+    def caption(self, name: str, data: str, run_options: str, evaluate_options: str = "",
+                baselines: str = "sgbm") -> str:
+        """What was measured on what, how, and by which commands."""
+        workers = str(self.programs.workers)
+        run = " ".join(["depthfarm run SEQUENCE -o DIR --workers", workers, *self.options, run_options])
+        evaluate = f"depthfarm evaluate SEQUENCE DIR {evaluate_options}"
+        call = f"experiment.py {name} {self.invocation}"
+        return (f"{data}. {PSNR_NOTE} {INTERVALS}\n\n`{run.strip()}`, `depthfarm-experiments {baselines} SEQUENCE -o "
+                f"DIR`, each with `{evaluate.strip()}`; all by `{call.strip()}`.")
 
-PSNR_NOTE = ("PSNR-Y in 16-235 BT.601 (full range is 1.3 dB lower) of the views that lie between two others, synthesised by "
-             "`depthfarm evaluate` from these two. Intervals: 95 %, over scenes.")
+    def picture(self, name: str, title: str) -> str:
+        """The link to an experiment's plot, which is at `plot(name)`."""
+        return f"![{title}](images/experiment-{name}.svg)"
+
+    def plot(self, name: str) -> Path:
+        return self.images / f"experiment-{name}.svg"
