@@ -61,7 +61,7 @@ Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& an
   problem.fixed.assign(frame.num_nodes(), 0);
   std::vector<Level> labels(frame.num_nodes(), problem.levels.front());
   if (references != nullptr) AdoptDepth(job, analysis, *references, frame, labels, problem.fixed);
-  problem.matches = frame.MatchesOnLevels(problem.levels, stop);
+  problem.matches = frame.MatchesOnLevels(problem.levels, problem.fixed, labels, stop);
   if (stop.stop_requested()) return Cancelled();
 
   WinnerTakesAll(problem, labels);

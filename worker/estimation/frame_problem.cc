@@ -48,12 +48,24 @@ MatchLink FrameProblem::MatchAt(int view_index, const Pair& pair, PixelPosition 
 }
 
 // tile: [level index][node - begin]
-void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const std::vector<Level>& levels,
+void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const Choices& choices,
                             std::vector<MatchLink>& tile) const {
+  const std::vector<Level>& levels = choices.levels;
   const Pair& pair = pairs_[static_cast<std::size_t>(view_index)][static_cast<std::size_t>(slot)];
   const SegmentMap& segments = analysis_[static_cast<std::size_t>(view_index)]->segments;
   for (NodeIndex segment = begin; segment < end; ++segment) {
     const PixelPosition center = segments.centers[segment];
+    const NodeIndex node = offset(view_index) + segment;
+    if (choices.fixed[node] != 0) {
+      for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
+        MatchLink& match = tile[level_index * kTileNodes + (segment - begin)];
+        match = {};
+        if (levels[level_index] != choices.labels[node]) continue;
+        const std::optional<PixelPosition> target = pair.geometry.Target(center, levels[level_index]);
+        if (target) match = MatchAt(view_index, pair, center, *target);
+      }
+      continue;
+    }
     std::optional<PixelPosition> last;
     MatchLink match;
     for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
@@ -71,6 +83,13 @@ void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex
 
 std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& levels,
                                                      const std::stop_token& stop) const {
+  return MatchesOnLevels(levels, std::vector<std::uint8_t>(num_nodes(), 0), std::vector<Level>(num_nodes()), stop);
+}
+
+std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& levels,
+                                                     const std::vector<std::uint8_t>& fixed,
+                                                     const std::vector<Level>& labels,
+                                                     const std::stop_token& stop) const {
   const auto width = static_cast<std::size_t>(matches_per_node_);
   std::vector<MatchLink> matches(levels.size() * num_nodes() * width);
   std::vector<MatchLink> tile(levels.size() * kTileNodes);
@@ -81,7 +100,7 @@ std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& l
       for (NodeIndex begin = 0; begin < segments; begin += kTileNodes) {
         if (stop.stop_requested()) return {};
         const NodeIndex end = std::min(begin + kTileNodes, segments);
-        FillTile(view_index, slot, begin, end, levels, tile);
+        FillTile(view_index, slot, begin, end, {levels, fixed, labels}, tile);
         for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
           MatchLink* row = matches.data() + (level_index * num_nodes() + offset(view_index) + begin) * width;
           const MatchLink* from = tile.data() + level_index * kTileNodes;

@@ -25,8 +25,14 @@ class FrameProblem {
   [[nodiscard]] const std::vector<SmoothnessLink>& smoothness() const { return smoothness_; }
   [[nodiscard]] int matches_per_node() const { return matches_per_node_; }
 
-  // The matches of every node on every level of `levels` ([level index][node][slot]). Work: levels x nodes x D windows,
-  // less those of levels that fall on the same pixel as the one before. Empty when cancelled.
+  // The matches of every node on every level of `levels` ([level index][node][slot]); of a node that is fixed (per
+  // node: not 0) only those on the level it holds, the others are none: it never takes them. Work: levels x free nodes
+  // x D windows, less those of levels that fall on the same pixel as the one before. Empty when cancelled.
+  [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
+                                                       const std::vector<std::uint8_t>& fixed,
+                                                       const std::vector<Level>& labels,
+                                                       const std::stop_token& stop) const;
+  // The same with nothing fixed.
   [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
                                                        const std::stop_token& stop) const;
 
@@ -44,7 +50,13 @@ class FrameProblem {
     MatchGeometry geometry;
   };
   [[nodiscard]] MatchLink MatchAt(int view_index, const Pair& pair, PixelPosition center, PixelPosition target) const;
-  void FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const std::vector<Level>& levels,
+  // What the nodes of a frame may take.
+  struct Choices {
+    const std::vector<Level>& levels;
+    const std::vector<std::uint8_t>& fixed;
+    const std::vector<Level>& labels;
+  };
+  void FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const Choices& choices,
                 std::vector<MatchLink>& tile) const;
 
   const ResolvedJob& job_;

@@ -22,7 +22,8 @@ namespace depthfarm {
 // 2: whole numbers, since beta and r are even. All capacities are symmetric, and few nodes start with flow.
 //
 // Of all labellings of least energy in a move the one that changes fewest nodes is taken (the canonical cut), so the
-// result is a function of the problem alone. Not thread-safe.
+// result is a function of the problem alone. The graph holds the free nodes alone, and a move's work grows with them,
+// not with the fixed ones (nearly all in a P frame). Not thread-safe.
 class Expansion {
  public:
   // `labels` holds the start (fixed nodes: their labels); free nodes must hold levels of the problem. Both must outlive
@@ -38,17 +39,24 @@ class Expansion {
  private:
   void AddSmoothness(Level alpha);
   void AddMatches(std::size_t level_index, Level alpha);
-  void AddMatchesOfConstant(NodeIndex node, const MatchLink* at_alpha, Level alpha);
+  void AddMatchesOfConstant(NodeIndex node, Level alpha);
   void AddMatchesOfFree(NodeIndex node, const MatchLink* at_alpha, Level alpha);
   void HoldMatches(NodeIndex node, const MatchLink* matches);
   [[nodiscard]] bool IsConstant(NodeIndex node, Level alpha) const {
     return problem_.fixed[node] != 0 || labels_[node] == alpha;
   }
+  // The linear coefficient of x of a free node, and that node in the graph.
+  [[nodiscard]] std::int64_t& Terminal(NodeIndex node) { return terminal_[in_graph_[node]]; }
+  [[nodiscard]] MaxFlow::Node InGraph(NodeIndex node) const { return in_graph_[node]; }
 
   const LabellingProblem& problem_;
   std::vector<Level>& labels_;
-  std::vector<MatchLink> held_;         // [node][slot]: the matches of each node on the level it holds
-  std::vector<std::int64_t> terminal_;  // linear coefficient of x per node in the current move
+  std::vector<NodeIndex> free_;             // not fixed, ascending
+  std::vector<MaxFlow::Node> in_graph_;     // per node: its place in free_; of fixed nodes meaningless
+  std::vector<SmoothnessLink> smoothness_;  // with at least one free end
+  std::vector<NodeIndex> rewarding_;        // fixed nodes with a match on their own level whose target is free
+  std::vector<MatchLink> held_;             // [node][slot]: the matches of each node on the level it holds
+  std::vector<std::int64_t> terminal_;      // per free node, of the current move
   MaxFlow flow_;
   std::int64_t energy_ = 0;
 };

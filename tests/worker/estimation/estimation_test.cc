@@ -7,6 +7,7 @@
 
 #include "common/geometry/reprojection.h"
 #include "common/image/depth_code.h"
+#include "common/job/level_partition.h"
 #include "tests/support/cut_oracle.h"
 #include "tests/support/rendered_sequence.h"
 #include "worker/estimation/frame_problem.h"
@@ -164,6 +165,39 @@ TEST(EstimateBlock, UnchangedSegmentsOfAPFrameKeepTheirDepthInEveryBlockAndMerge
   }
   EXPECT_GT(unchanged, changed);  // only persons move and noise is below T_P for most means
   EXPECT_GT(changed, 0U);
+}
+
+// Unchanged segments have no node in the graph and no matches but on their own level: the moves are those of the whole
+// problem, move by move.
+TEST(EstimateBlock, LabelsOfAPFrameAreThoseOfTheWholeProblem) {
+  EstimationParams params = SmallParams();
+  params.max_sweeps = 2;
+  const ResolvedJob job = SmallJob(params);
+  const FrameAnalysis first = test::Analyse(Scene(), job, 0);
+  const FrameAnalysis second = test::Analyse(Scene(), job, 1);
+  const TemporalReferences references = SelfReferences(first, test::EstimateFrame(job, first, nullptr, 1));
+  EstimationStats stats;
+  const LabelField field = EstimateBlock(job, second, &references, 1, 0, {}, &stats).value();
+  ASSERT_GT(stats.nodes, 0);
+  ASSERT_LT(stats.nodes, stats.segments);
+
+  const FrameProblem frame(job, second);
+  LabellingProblem problem;
+  problem.num_nodes = frame.num_nodes();
+  problem.levels = LevelsOfBlock(job.params.levels, 1, job.params.partition, 0);
+  problem.matches_per_node = frame.matches_per_node();
+  problem.smoothness = frame.smoothness();
+  problem.matches = frame.MatchesOnLevels(problem.levels, {});
+  for (const ViewLabels& view : field.views)
+    problem.fixed.insert(problem.fixed.end(), view.unchanged.begin(), view.unchanged.end());
+  std::vector<Level> labels = frame.ToNodes(field);
+  WinnerTakesAll(problem, labels);
+  for (int step = 0; step < 2 * job.params.levels; ++step) {
+    const int level = step < job.params.levels ? step : 2 * job.params.levels - 1 - step;
+    labels = test::ExpandPlainly(problem, labels, static_cast<Level>(level));
+  }
+  EXPECT_EQ(frame.ToNodes(field), labels);
+  EXPECT_EQ(stats.energy, test::EnergyPlainly(problem, labels));
 }
 
 TEST(EstimateBlock, RefusesAnalysesThatDoNotFitTheJob) {
