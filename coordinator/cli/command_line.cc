@@ -29,7 +29,7 @@ struct MediaCommand {
 };
 constexpr auto kMediaCommands = std::to_array<MediaCommand>({
     {"scene", "Render a synthetic multi-camera sequence with exact depth"},
-    {"evaluate", "Quality of depth maps: virtual views, ground truth, consistency"},
+    {"evaluate", "Quality of depth maps: virtual views, ground truth, consistency, bits"},
     {"synthesize", "Virtual views from pictures and depth: a camera's, any other, a path"},
     {"colour", "Colour pictures of depth maps"},
 });
