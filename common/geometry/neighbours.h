@@ -27,7 +27,7 @@ namespace depthfarm {
 [[nodiscard]] int CentreCamera(const std::vector<Camera>& views);
 
 // How far, in pixels of the neighbour, the point of the view's centre pixel travels between the farthest and the
-// nearest level plane; 0 where it leaves sight. Used to choose the number of levels.
+// nearest level plane; 0 where it falls behind the neighbour. Used to choose the number of levels.
 [[nodiscard]] double DisparityRange(const Camera& view, const Camera& neighbour, const DepthLevels& levels);
 
 }  // namespace depthfarm

@@ -40,7 +40,7 @@ Status EstimationParams::Validate() const {
     return OutOfRange("level-blocks", level_blocks, "at most the number of levels, " + std::to_string(levels));
   }
   if (max_sweeps < 0 || max_sweeps > 1000)
-    return OutOfRange("sweeps", max_sweeps, "1 to 1000, or 0: until nothing changes");
+    return OutOfRange("sweeps", max_sweeps, "1 to 1000, or auto: until nothing changes");
   if (neighbours < 1 || neighbours > 16) return OutOfRange("neighbors", neighbours, "1 to 16");
   if (refine_rounds < 0 || refine_rounds > 100)
     return OutOfRange("refine", refine_rounds, "1 to 100 rounds, or 0: depth levels");

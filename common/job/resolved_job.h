@@ -50,7 +50,8 @@ struct ResolvedJob {
 //   segments   one per 20 pixels of a view (paper III-B: "segments of size of 20 samples or less");
 //   levels     at most 250, such that one is about 0.25 px at the median nearest neighbour and at most 0.5 px at the
 //              widest baseline used;
-//   n          1 for small problems, else up to 8 (I frames; interleaving saves work even on one core) or 2 (P frames).
+//   n          1 for small problems, else up to 8 (I frames; side by side, with a part of the memory each) or 2 (P
+//              frames).
 // Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that
 // cannot see the levels, has no neighbour or is too small for refinement, no depth range, frames outside the sequence,
 // more blocks than levels.
