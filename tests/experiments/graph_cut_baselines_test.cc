@@ -180,6 +180,17 @@ TEST(PerView, FindsTheDepthOfARenderedSceneEachTimeTheSame) {
   EXPECT_EQ(depths, PerViewOfFrame(scene.job, scene.pictures()).value());
 }
 
+TEST(PerView, RefusesRewardsThatItCannotHold) {
+  Scene scene(ArrayKind::kLine, 7, 96, 72, 0);
+  EstimationParams params;
+  params.neighbours = 6;
+  params.matching_offset = 765;
+  scene.job = ResolveJob(scene.rendered.sequence, params).value();
+  const Status status = PerViewOfFrame(scene.job, scene.pictures()).status();
+  EXPECT_EQ(status.code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), testing::HasSubstr("matching-offset is 765"));
+}
+
 // What makes it another method: the pictures of the others count, their depth does not.
 TEST(PerView, AViewsDepthDoesNotDependOnThatOfViewsItIsNotMatchedWith) {
   const Scene scene(ArrayKind::kLine, 5, 96, 72, 0.5);
