@@ -67,7 +67,6 @@ TEST(PixelLabelling, ExpandsAsTheCoreDoes) {
   test::Random random(7);
   for (int trial = 0; trial < 20; ++trial) {
     PixelLabelling pixels(random.Int(1, 7), random.Int(1, 7), random.Int(2, 9));
-    const auto width = static_cast<NodeIndex>(pixels.width);
     const auto nodes = static_cast<NodeIndex>(pixels.num_pixels());
     pixels.step = 2 * random.Int(0, 40);
     constexpr std::uint16_t kMost = 300;
@@ -79,10 +78,13 @@ TEST(PixelLabelling, ExpandsAsTheCoreDoes) {
         problem.SetReward(level, p, steps);
       }
     }
-    for (NodeIndex p = 0; p < nodes; ++p) {
-      const std::int32_t beta = pixels.step * kEnergyUnitsPerMatchStep;
-      if (p % width + 1 < width) problem.smoothness().push_back({p, p + 1, beta});
-      if (p + width < nodes) problem.smoothness().push_back({p, p + width, beta});
+    const std::int32_t beta = pixels.step * kEnergyUnitsPerMatchStep;
+    const auto node = [&](int x, int y) { return static_cast<NodeIndex>(y * pixels.width + x); };
+    for (int y = 0; y < pixels.height; ++y) {
+      for (int x = 0; x < pixels.width; ++x) {
+        if (x + 1 < pixels.width) problem.smoothness().push_back({node(x, y), node(x + 1, y), beta});
+        if (y + 1 < pixels.height) problem.smoothness().push_back({node(x, y), node(x, y + 1), beta});
+      }
     }
     std::vector<Level> labels = CheapestLevels(pixels);
     const std::int64_t start = TotalEnergy(pixels, labels);
