@@ -13,9 +13,7 @@
 #include "common/job/resolved_job.h"
 #include "common/media/depth_file.h"
 #include "common/media/picture_reader.h"
-#include "common/sequence/depth_manifest.h"
 #include "common/sequence/read_sequence.h"
-#include "tests/experiments/pixel_cut.h"
 #include "tests/experiments/two_pair_sgbm.h"
 
 namespace depthfarm {
@@ -81,52 +79,51 @@ Result<std::vector<DepthMap>> ViewByView(const ResolvedJob& job, const std::vect
 
 }  // namespace
 
-Result<std::vector<DepthMap>> SgbmOfFrame(const ResolvedJob& job, std::vector<YcbcrImage> pictures) {
+Result<std::vector<DepthMap>> SgbmOfFrame(const ResolvedJob& job, const std::vector<YcbcrImage>& pictures) {
   return ViewByView(job, pictures,
                     [](const StereoView& view, const std::vector<StereoView>& neighbours, const JobView& of_job) {
                       return EstimateBySgbm(view, neighbours, of_job.own_range);
                     });
 }
 
-Result<std::vector<DepthMap>> PixelCutOfFrame(const ResolvedJob& job, std::vector<YcbcrImage> pictures) {
+Result<std::vector<DepthMap>> PixelCutOfFrame(const ResolvedJob& job, const std::vector<YcbcrImage>& pictures,
+                                              const PixelCutParams& params) {
   const DepthLevels levels = job.Levels();
   return ViewByView(job, pictures,
                     [&](const StereoView& view, const std::vector<StereoView>& neighbours, const JobView& /*of_job*/) {
-                      return EstimateByPixelCut(view, neighbours, levels, {});
+                      return EstimateByPixelCut(view, neighbours, levels, params);
                     });
 }
 
-Status RunBaseline(const BaselineCommandOptions& options, const std::string& name, const FrameMethod& method,
-                   std::ostream& out) {
+Status RunBaseline(const BaselineCommandOptions& options, const BaselineMethod& method, std::ostream& out) {
   DEPTHFARM_ASSIGN_OR_RETURN(const Sequence sequence, ReadSequence(options.sequence));
-  EstimationParams params;
-  params.views = options.views;
-  params.first_frame = options.first_frame;
-  params.end_frame = options.end_frame;
-  params.downscale = options.downscale;
-  DEPTHFARM_ASSIGN_OR_RETURN(const ResolvedJob job, ResolveJob(sequence, params));
+  DEPTHFARM_ASSIGN_OR_RETURN(const ResolvedJob job, ResolveJob(sequence, options.params));
   DepthManifest manifest;
   manifest.sequence = sequence.name;
   manifest.first_frame = job.params.first_frame;
-  manifest.parameters = {{"reference", job.reference.name},
-                         {"levels", std::int64_t{job.params.levels}},
-                         {"zNear", job.params.z_near},
-                         {"zFar", job.params.z_far},
-                         {"downscale", std::int64_t{job.params.downscale}}};
+  manifest.parameters = method.parameters;
+  manifest.parameters.merge(
+      std::map<std::string, ManifestNumberOrText>{{"method", method.name},
+                                                  {"reference", job.reference.name},
+                                                  {"levels", std::int64_t{job.params.levels}},
+                                                  {"zNear", job.params.z_near},
+                                                  {"zFar", job.params.z_far},
+                                                  {"downscale", std::int64_t{job.params.downscale}}});
   for (const JobView& view : job.views)
     manifest.cameras.push_back({view.camera, view.own_range.z_near, view.own_range.z_far, {}, {}});
 
   double seconds = 0;
   for (int frame = job.params.first_frame; frame < job.params.end_frame; ++frame) {
-    DEPTHFARM_ASSIGN_OR_RETURN(std::vector<YcbcrImage> pictures, ReadFrame(sequence, job, frame, manifest.cameras));
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<YcbcrImage>& pictures,
+                               ReadFrame(sequence, job, frame, manifest.cameras));
     const double start = CpuSeconds();
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<DepthMap> depths, method(job, std::move(pictures)));
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<DepthMap> depths, method.estimate(job, pictures));
     seconds += CpuSeconds() - start;
     for (std::size_t v = 0; v < depths.size(); ++v) {
       DEPTHFARM_RETURN_IF_ERROR(WriteDepth(options.output, frame, depths[v], manifest.cameras[v]));
     }
   }
-  out << name << ": " << job.num_frames << " frames of " << job.num_views() << " views, "
+  out << method.name << ": " << job.num_frames << " frames of " << job.num_views() << " views, "
       << seconds / (job.num_frames * job.num_views()) << " CPU s a view\n";
   return WriteDepthManifest(options.output, manifest);
 }

@@ -2,40 +2,58 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <memory>
+#include <numeric>
+#include <string>
 #include <utility>
 
 #include "common/image/depth_code.h"
 #include "tests/experiments/anchored_problem.h"
+#include "worker/cost/energy_units.h"
+#include "worker/cost/matching.h"
 #include "worker/estimation/estimation.h"
 #include "worker/estimation/frame_problem.h"
 
 namespace depthfarm {
+namespace {
 
-Result<std::vector<DepthMap>> PerViewOfFrame(const ResolvedJob& job, std::vector<YcbcrImage> pictures) {
+constexpr int kLevelsAtOnce = 16;  // neighbouring levels often match the same pixel: its window is compared once
+constexpr std::size_t kMostReward = std::numeric_limits<std::uint16_t>::max();
+
+}  // namespace
+
+Result<std::vector<DepthMap>> PerViewOfFrame(const ResolvedJob& job, const std::vector<YcbcrImage>& pictures) {
   FrameAnalysis analysis;
   for (std::size_t v = 0; v < job.views.size(); ++v) {
     DEPTHFARM_ASSIGN_OR_RETURN(ViewAnalysis view,
-                               AnalyseView(std::move(pictures[v]), job.views[v].segments, job.params.snic_compactness));
+                               AnalyseView(pictures[v], job.views[v].segments, job.params.snic_compactness));
     analysis.push_back(std::make_shared<const ViewAnalysis>(std::move(view)));
   }
   const FrameProblem frame(job, analysis);
   const int num_levels = job.params.levels;
+  const auto slots = static_cast<std::size_t>(frame.matches_per_node());
+  if (2 * slots * static_cast<std::size_t>(MatchOffsetSteps(job.params.matching_offset)) > kMostReward) {
+    const auto most = kMostReward / (2 * slots * std::size_t{kMatchStepsPerGrey});
+    return InvalidArgument("matching-offset is " + std::to_string(job.params.matching_offset) + ", expected at most " +
+                           std::to_string(most) + " with " + std::to_string(slots) + " neighbours");
+  }
   // Without links between them the views do not know of each other, so all are solved in one go.
   AnchoredProblem problem(frame.num_nodes(), num_levels);
   problem.smoothness() = frame.smoothness();
-  const int slots = frame.matches_per_node();
-  for (int level = 0; level < num_levels; ++level) {
-    const std::vector<MatchLink> matches = frame.MatchesOnLevels({static_cast<Level>(level)}, {});
-    for (NodeIndex node = 0; node < frame.num_nodes(); ++node) {
-      int reward = 0;
-      for (int slot = 0; slot < slots; ++slot) {
-        reward +=
-            2 *
-            matches[static_cast<std::size_t>(node) * static_cast<std::size_t>(slots) + static_cast<std::size_t>(slot)]
-                .reward;
+  for (int begin = 0; begin < num_levels; begin += kLevelsAtOnce) {
+    std::vector<Level> levels;
+    for (int level = begin; level < std::min(num_levels, begin + kLevelsAtOnce); ++level)
+      levels.push_back(static_cast<Level>(level));
+    const std::vector<MatchLink> matches = frame.MatchesOnLevels(levels, {});
+    const MatchLink* match = matches.data();
+    for (const Level level : levels) {
+      for (NodeIndex node = 0; node < frame.num_nodes(); ++node, match += slots) {
+        const int reward = std::accumulate(match, match + slots, 0,
+                                           [](int sum, const MatchLink& link) { return sum + 2 * link.reward; });
+        problem.SetReward(level, node, static_cast<std::uint16_t>(reward));
       }
-      problem.SetReward(level, node, static_cast<std::uint16_t>(std::min(reward, 0xFFFF)));
     }
   }
   const LabelField field =

@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <sstream>
+#include <string>
 
 #include "common/geometry/reprojection.h"
 #include "common/synthesis/sample_surface.h"
-#include "tests/experiments/anchored_problem.h"
 
 namespace depthfarm {
 namespace {
 
+constexpr double kCostsPerGrey = 64;  // 765 grey levels fit 16 bits
+constexpr double kPaperSteps = 249;   // as SmoothnessCost counts |d_s - d_t|
 constexpr float kOutside = -1;
 
 // Grey levels of difference on one level, pixel by pixel; kOutside where the neighbour does not see the point.
@@ -39,13 +42,13 @@ Grid<float> DifferenceOnLevel(const StereoView& view, const StereoView& neighbou
   return difference;
 }
 
-// Mean over those of the 3 x 3 pixels around that are seen; kOutside where the middle one is not.
-float WindowMean(const Grid<float>& difference, int x, int y) {
+// Mean over those of the pixels around that are seen; kOutside where the middle one is not.
+float WindowMean(const Grid<float>& difference, int x, int y, int radius) {
   if (difference(x, y) == kOutside) return kOutside;
   float sum = 0;
   int count = 0;
-  for (int v = std::max(0, y - 1); v <= std::min(difference.height() - 1, y + 1); ++v) {
-    for (int u = std::max(0, x - 1); u <= std::min(difference.width() - 1, x + 1); ++u) {
+  for (int v = std::max(0, y - radius); v <= std::min(difference.height() - 1, y + radius); ++v) {
+    for (int u = std::max(0, x - radius); u <= std::min(difference.width() - 1, x + radius); ++u) {
       if (difference(u, v) == kOutside) continue;
       sum += difference(u, v);
       ++count;
@@ -54,47 +57,60 @@ float WindowMean(const Grid<float>& difference, int x, int y) {
   return sum / static_cast<float>(count);
 }
 
+template <typename T>
+Status OutOfRange(const std::string& option, T value, const std::string& expected) {
+  std::ostringstream text;
+  text << option << " is " << value << ", expected " << expected;
+  return InvalidArgument(text.str());
+}
+
 }  // namespace
+
+Status PixelCutParams::Validate() const {
+  if (window < 1 || window > 15 || window % 2 == 0) return OutOfRange("window", window, "an odd number from 1 to 15");
+  if (!(most_difference > 0) || most_difference > 765)
+    return OutOfRange("most-difference", most_difference, "> 0, at most 765");
+  if (!(smoothing >= 0) || smoothing > 100) return OutOfRange("smoothing", smoothing, "0 to 100");
+  if (!(most_jump >= 1) || most_jump > kPaperSteps) return OutOfRange("most-jump", most_jump, "1 to 249");
+  if (sweeps < 0) return OutOfRange("sweeps", sweeps, ">= 0");
+  return {};
+}
+
+PixelLabelling PixelCutProblem(const StereoView& view, const std::vector<StereoView>& neighbours,
+                               const DepthLevels& levels, const PixelCutParams& params) {
+  PixelLabelling problem(view.camera.width, view.camera.height, levels.count());
+  const double per_step = kPaperSteps / (levels.count() - 1);
+  problem.step = static_cast<std::int32_t>(std::lround(params.smoothing * per_step * kCostsPerGrey));
+  problem.most_steps = std::max(1, static_cast<int>(std::lround(params.most_jump / per_step)));
+  for (int level = 0; level < levels.count(); ++level) {
+    std::uint16_t* costs = problem.CostsOf(level);
+    std::fill_n(costs, problem.num_pixels(), static_cast<std::uint16_t>(params.most_difference * kCostsPerGrey));
+    for (const StereoView& neighbour : neighbours) {
+      const Grid<float> difference = DifferenceOnLevel(view, neighbour, levels, level);
+      std::uint16_t* cost = costs;
+      for (int y = 0; y < problem.height; ++y) {
+        for (int x = 0; x < problem.width; ++x, ++cost) {
+          const float mean = WindowMean(difference, x, y, params.window / 2);
+          if (mean != kOutside) *cost = static_cast<std::uint16_t>(std::min<double>(*cost, mean * kCostsPerGrey));
+        }
+      }
+    }
+  }
+  return problem;
+}
 
 Result<DepthMap> EstimateByPixelCut(const StereoView& view, const std::vector<StereoView>& neighbours,
                                     const DepthLevels& levels, const PixelCutParams& params) {
   if (neighbours.empty()) return InvalidArgument("camera '" + view.camera.name + "' has no neighbour");
-  const int width = view.camera.width;
-  const int height = view.camera.height;
-  const auto node = [width](int x, int y) { return static_cast<NodeIndex>(y * width + x); };
-  AnchoredProblem problem(static_cast<NodeIndex>(width * height), levels.count());
-  for (int level = 0; level < levels.count(); ++level) {
-    std::vector<Grid<float>> differences;
-    for (const StereoView& neighbour : neighbours) {
-      differences.push_back(DifferenceOnLevel(view, neighbour, levels, level));
-    }
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        double least = params.most_difference;
-        for (const Grid<float>& difference : differences) {
-          const float mean = WindowMean(difference, x, y);
-          if (mean != kOutside) least = std::min(least, static_cast<double>(mean));
-        }
-        const double reward = (params.most_difference - least) * kMatchStepsPerGrey;
-        problem.SetReward(level, node(x, y), static_cast<std::uint16_t>(std::lround(reward)));
-      }
-    }
-  }
-  // Even, as the core wants its coefficients.
-  const double units = params.smoothing * kEnergyUnitsPerGrey * 249 / (levels.count() - 1);
-  const auto beta = static_cast<std::int32_t>(2 * std::lround(units / 2));
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (x + 1 < width) problem.smoothness().push_back({node(x, y), node(x + 1, y), beta});
-      if (y + 1 < height) problem.smoothness().push_back({node(x, y), node(x, y + 1), beta});
-    }
-  }
-  const std::vector<Level> labels = problem.Solve(params.sweeps);
+  DEPTHFARM_RETURN_IF_ERROR(params.Validate());
+  const PixelLabelling problem = PixelCutProblem(view, neighbours, levels, params);
+  std::vector<Level> labels = CheapestLevels(problem);
+  (void)ExpandPixels(problem, params.sweeps, labels);
   const LevelsInView in_view(view.camera, levels);
-  DepthMap depth(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const double inverse = in_view.InverseDepth(x, y, levels.DepthInRef(labels[node(x, y)]));
+  DepthMap depth(problem.width, problem.height);
+  for (int y = 0; y < depth.height(); ++y) {
+    for (int x = 0; x < depth.width(); ++x) {
+      const double inverse = in_view.InverseDepth(x, y, levels.DepthInRef(labels[depth.Index(x, y)]));
       depth(x, y) = inverse > 0 ? static_cast<float>(1 / inverse) : 0.0F;
     }
   }
