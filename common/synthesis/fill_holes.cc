@@ -47,18 +47,28 @@ void FindNearest(const Grid<std::uint8_t>& fills, std::size_t direction_index, c
   }
 }
 
+// Whether something is known on both sides of the hole, in some direction and its opposite: then it lies between two
+// surfaces, of which the farther one was uncovered. Else it lies outside of what the sources saw.
+bool LiesBetween(const Hole& hole) {
+  constexpr std::array<std::array<std::size_t, 2>, 4> kOpposite = {{{0, 1}, {2, 3}, {4, 7}, {5, 6}}};
+  return std::any_of(kOpposite.begin(), kOpposite.end(), [&](const std::array<std::size_t, 2>& pair) {
+    return hole.nearest[pair[0]] >= 0 && hole.nearest[pair[1]] >= 0;
+  });
+}
+
 void FillOne(const Hole& hole, YcbcrImage& picture, DepthMap& depth) {
   float farthest = 0;
   for (const int index : hole.nearest) {
     if (index >= 0) farthest = std::max(farthest, depth.values()[static_cast<std::size_t>(index)]);
   }
   if (!(farthest > 0)) return;
+  const float nearest_used = LiesBetween(hole) ? farthest * (1.0F - kSameDepth) : 0.0F;
   float weights = 0;
   std::array<float, 4> sum = {};
   for (const int index : hole.nearest) {
     if (index < 0) continue;
     const float z = depth.values()[static_cast<std::size_t>(index)];
-    if (z < farthest * (1.0F - kSameDepth)) continue;
+    if (z < nearest_used) continue;
     const int dx = index % picture.width() - hole.x;
     const int dy = index / picture.width() - hole.y;
     const float weight = 1.0F / static_cast<float>(dx * dx + dy * dy);

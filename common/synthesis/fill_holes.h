@@ -8,9 +8,10 @@
 
 namespace depthfarm {
 
-// Fills the pixels that no source saw. What a moving camera uncovers is background, so a hole takes its colour and
-// depth from the farther of the known pixels met first in the eight directions (those within `kSameDepth` of the
-// farthest, weighted by nearness). `kinds` tells what is known:
+// Fills the pixels that no source saw, from the known pixels met first in the eight directions, weighted by nearness
+// (1 / squared distance). What a moving camera uncovers is background: a hole that lies between known pixels (some
+// direction and its opposite both meet one) takes only those within 5 % of the farthest depth. A hole beyond the border
+// of what the sources saw continues what is beside it, near or far. `kinds` tells what is known:
 enum class Known : std::uint8_t {
   kHole = 0,      // filled
   kDoubtful = 1,  // filled too where a clean pixel is in reach, else kept: a background pixel that may hold foreground

@@ -24,6 +24,44 @@ TEST(FillHoles, TakesTheFartherSide) {
   EXPECT_EQ(picture(2, 0), Grey(200));
 }
 
+// The strip at the left was outside every source's view. Beside it stand a near panel (rows 0 to 2) and a far wall;
+// what is next to the panel continues the panel, although the diagonals see the wall.
+TEST(FillHoles, BeyondTheBorderContinuesWhatIsBesideIt) {
+  YcbcrImage picture(9, 6, Grey(200));
+  DepthMap depth(9, 6, 2.0F);
+  Grid<Known> kinds(9, 6, Known::kClean);
+  for (int y = 0; y < 6; ++y) {
+    for (int x = 0; x < 3; ++x) kinds(x, y) = Known::kHole;
+    for (int x = 0; x < 9 && y > 2; ++x) {
+      picture(x, y) = Grey(50);
+      depth(x, y) = 8.0F;
+    }
+  }
+  FillHoles(kinds, picture, depth);
+  EXPECT_EQ(picture(2, 0), Grey(200));
+  EXPECT_FLOAT_EQ(depth(2, 0), 2.0F);
+  EXPECT_GT(picture(1, 1).y, 125);
+  EXPECT_EQ(picture(2, 5), Grey(50));
+}
+
+// A slit at the top border, uncovered beside a near panel, still lies between panel and wall.
+TEST(FillHoles, AHoleThatTouchesTheBorderMayLieBetween) {
+  YcbcrImage picture(9, 4, Grey(200));
+  DepthMap depth(9, 4, 2.0F);
+  Grid<Known> kinds(9, 4, Known::kClean);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 5; x < 9; ++x) {
+      picture(x, y) = Grey(50);
+      depth(x, y) = 8.0F;
+    }
+  }
+  for (int y = 0; y < 2; ++y) kinds(4, y) = kinds(3, y) = Known::kHole;
+  FillHoles(kinds, picture, depth);
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 3; x < 5; ++x) EXPECT_EQ(picture(x, y), Grey(50)) << x << ' ' << y;
+  }
+}
+
 TEST(FillHoles, DoubtfulPixelsDoNotSpread) {
   YcbcrImage picture(5, 1, Grey(50));
   DepthMap depth(5, 1, 8.0F);
