@@ -4,24 +4,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <system_error>
 
 #include "common/files/open_file.h"
+#include "common/files/pending_file.h"
 
 namespace depthfarm {
 namespace {
 
 constexpr int kNewFileMode = 0666;  // reduced by the umask of the process
-
-// Distinct among the processes of a host (pid) and the calls of a process (counter); O_EXCL settles the rest.
-std::string TemporaryName(const std::string& path) {
-  static std::atomic<std::uint64_t> counter{0};
-  return path + ".tmp-" + std::to_string(getpid()) + "-" + std::to_string(counter.fetch_add(1));
-}
 
 Status WriteAll(const std::string& path, std::string_view bytes, Durability durability) {
   OpenFile file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode));
@@ -77,15 +70,9 @@ Result<std::string> ReadFileBytes(const std::string& path, std::uint64_t max_byt
 }
 
 Status WriteFileAtomically(const std::string& path, std::string_view bytes, Durability durability) {
-  const std::string temporary = TemporaryName(path);
-  Status written = WriteAll(temporary, bytes, durability);
-  if (written.ok() && std::rename(temporary.c_str(), path.c_str()) != 0) {
-    written = FileFailure(path, "rename " + temporary + " to it");
-  }
-  if (!written.ok()) {
-    (void)unlink(temporary.c_str());
-    return written;
-  }
+  PendingFile file(path);
+  DEPTHFARM_RETURN_IF_ERROR(WriteAll(file.temporary(), bytes, durability));
+  DEPTHFARM_RETURN_IF_ERROR(file.Commit());
   return durability == Durability::kSynced ? SyncFolderOf(path) : Status();
 }
 

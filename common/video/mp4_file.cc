@@ -1,11 +1,8 @@
 #include "common/video/mp4_file.h"
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
+#include "common/files/pending_file.h"
 #include "common/video/encoder.h"
 #include "common/video/handles.h"
 
@@ -19,32 +16,29 @@ Status WriteFailure(const std::string& path, int error) {
 }  // namespace
 
 struct Mp4File::Stream {
-  Stream(std::string final_path, Encoder opened)
-      : path(std::move(final_path)), temporary(path + ".part" + std::to_string(getpid())), encoder(std::move(opened)) {}
+  Stream(const std::string& path, Encoder opened) : file(path), encoder(std::move(opened)) {}
   ~Stream() {
     if (container == nullptr) return;
     avio_closep(&container->pb);
     avformat_free_context(container);
-    std::error_code ignored;
-    if (!finished) std::filesystem::remove(temporary, ignored);
   }
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
   Status Open() {
-    int error = avformat_alloc_output_context2(&container, nullptr, "mp4", temporary.c_str());
-    if (error < 0) return WriteFailure(path, error);
+    int error = avformat_alloc_output_context2(&container, nullptr, "mp4", file.temporary().c_str());
+    if (error < 0) return WriteFailure(file.path(), error);
     AVStream* video = avformat_new_stream(container, nullptr);
-    if (video == nullptr) return WriteFailure(path, AVERROR(ENOMEM));
+    if (video == nullptr) return WriteFailure(file.path(), AVERROR(ENOMEM));
     video->time_base = encoder.context().time_base;
     error = avcodec_parameters_from_context(video->codecpar, &encoder.context());
-    if (error >= 0) error = avio_open(&container->pb, temporary.c_str(), AVIO_FLAG_WRITE);
+    if (error >= 0) error = avio_open(&container->pb, file.temporary().c_str(), AVIO_FLAG_WRITE);
     // Players can begin before they have read all of it.
     AVDictionary* options = nullptr;
     if (error >= 0) error = av_dict_set(&options, "movflags", "faststart", 0);
     if (error >= 0) error = avformat_write_header(container, &options);
     av_dict_free(&options);
-    return error < 0 ? WriteFailure(path, error) : Status();
+    return error < 0 ? WriteFailure(file.path(), error) : Status();
   }
 
   Status Write(AVPacket* packet) {
@@ -53,14 +47,12 @@ struct Mp4File::Stream {
     packet->duration = 1;
     av_packet_rescale_ts(packet, encoder.context().time_base, video->time_base);
     const int error = av_write_frame(container, packet);
-    return error < 0 ? WriteFailure(path, error) : Status();
+    return error < 0 ? WriteFailure(file.path(), error) : Status();
   }
 
-  std::string path;
-  std::string temporary;
+  PendingFile file;
   Encoder encoder;
   AVFormatContext* container = nullptr;
-  bool finished = false;
 };
 
 Mp4File::Mp4File(std::unique_ptr<Stream> stream) : stream_(std::move(stream)) {}
@@ -89,12 +81,8 @@ Status Mp4File::Finish() {
   DEPTHFARM_RETURN_IF_ERROR(stream_->encoder.Finish([this](AVPacket* packet) { return stream_->Write(packet); }));
   int error = av_write_trailer(stream_->container);
   if (error >= 0) error = avio_closep(&stream_->container->pb);
-  if (error < 0) return WriteFailure(stream_->path, error);
-  std::error_code failure;
-  std::filesystem::rename(stream_->temporary, stream_->path, failure);
-  if (failure) return Unavailable(stream_->path + ": cannot be written: " + failure.message());
-  stream_->finished = true;
-  return {};
+  if (error < 0) return WriteFailure(stream_->file.path(), error);
+  return stream_->file.Commit();
 }
 
 }  // namespace depthfarm

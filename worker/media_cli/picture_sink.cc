@@ -1,14 +1,12 @@
 #include "worker/media_cli/picture_sink.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
-#include <system_error>
 #include <utility>
 
 #include "common/files/atomic_file.h"
 #include "common/files/open_file.h"
+#include "common/files/pending_file.h"
 #include "common/media/colour_map.h"
 #include "common/media/raw_picture.h"
 #include "common/sequence/frame_name.h"
@@ -34,20 +32,10 @@ class PngFolder : public PictureSink {
 
 class YuvFile : public PictureSink {
  public:
-  explicit YuvFile(std::string path)
-      : path_(std::move(path)),
-        temporary_(path_ + ".part" + std::to_string(getpid())),
-        stream_(temporary_, std::ios::binary | std::ios::trunc) {}
-  ~YuvFile() override {
-    if (finished_) return;
-    stream_.close();
-    std::error_code ignored;
-    std::filesystem::remove(temporary_, ignored);
-  }
-  YuvFile(const YuvFile&) = delete;
-  YuvFile& operator=(const YuvFile&) = delete;
+  explicit YuvFile(const std::string& path)
+      : file_(path), stream_(file_.temporary(), std::ios::binary | std::ios::trunc) {}
 
-  [[nodiscard]] Status Check() const { return stream_ ? Status() : FileFailure(temporary_, "write"); }
+  [[nodiscard]] Status Check() const { return stream_ ? Status() : FileFailure(file_.path(), "write"); }
   Result<std::string> Encode(const YcbcrImage& picture) const override { return EncodeLimitedYuv420(picture); }
   Status Write(int /*number*/, const std::string& bytes) override {
     stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -56,18 +44,12 @@ class YuvFile : public PictureSink {
   Status Finish() override {
     stream_.close();
     DEPTHFARM_RETURN_IF_ERROR(Check());
-    std::error_code error;
-    std::filesystem::rename(temporary_, path_, error);
-    if (error) return Unavailable(path_ + ": cannot be written: " + error.message());
-    finished_ = true;
-    return {};
+    return file_.Commit();
   }
 
  private:
-  std::string path_;
-  std::string temporary_;
+  PendingFile file_;
   std::ofstream stream_;
-  bool finished_ = false;
 };
 
 class Mp4 : public PictureSink {
