@@ -114,7 +114,7 @@ Status RunBaseline(const BaselineCommandOptions& options, const BaselineMethod& 
 
   double seconds = 0;
   for (int frame = job.params.first_frame; frame < job.params.end_frame; ++frame) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<YcbcrImage>& pictures,
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<YcbcrImage> pictures,
                                ReadFrame(sequence, job, frame, manifest.cameras));
     const double start = CpuSeconds();
     DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<DepthMap> depths, method.estimate(job, pictures));

@@ -119,8 +119,7 @@ void AddDepthRows(const std::string& name, const std::vector<DepthErrorGroup>& g
                Decimal(f.BadLevelsPercent(0), 1), Decimal(f.BadLevelsPercent(1), 1), Decimal(f.BadLevelsPercent(2), 1),
                Decimal(f.BadLevelsPercent(3), 1), Decimal(f.BadPxPercent(0), 1), Decimal(f.BadPxPercent(1), 1),
                Decimal(f.BadPxPercent(2), 1), Decimal(f.BadPxPercent(3), 1), Decimal(f.MeanPx(), 3),
-               Decimal(f.RmsePx(), 3), Decimal(f.MeanLevels(), 2), Decimal(f.RmseLevels(), 2),
-               Decimal(f.CompletenessPercent(), 1)});
+               Decimal(f.RmsePx(), 3), Decimal(f.RmseLevels(), 2), Decimal(f.CompletenessPercent(), 1)});
     first = false;
   }
 }
@@ -130,7 +129,7 @@ void PrintDepth(const EvaluateReport& report, std::ostream& out) {
          "pixel\n"
          "without depth is off. MAE: mean absolute error; it and RMSE over pixels with depth.\n";
   TextTable table({"view", "pixels", "share %", ">.5 lv", ">1 lv", ">2 lv", ">4 lv", ">.5 px", ">1 px", ">2 px",
-                   ">4 px", "MAE px", "RMSE px", "MAE lv", "RMSE lv", "depth %"},
+                   ">4 px", "MAE px", "RMSE px", "RMSE lv", "depth %"},
                   2);
   for (const ViewDepthReport& view : report.depth) AddDepthRows(view.view, view.groups, false, table);
   AddDepthRows("all views", SumOfViews(report), true, table);

@@ -77,6 +77,28 @@ class Sources {
   std::map<SourceKey, std::shared_ptr<const Source>> loaded_;
 };
 
+// A line that is overwritten by the next state and erased at the end, whatever the end: an error begins its own line.
+class ProgressLine {
+ public:
+  // Without `out` nothing is shown.
+  explicit ProgressLine(std::ostream* out) : out_(out) {}
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  ~ProgressLine() { Show(""); }
+
+  void Show(const std::string& text) {
+    if (out_ == nullptr) return;
+    *out_ << "\r" << text << std::string(shown_ > text.size() ? shown_ - text.size() : 0, ' ');
+    if (text.empty()) *out_ << "\r";
+    *out_ << std::flush;
+    shown_ = text.size();
+  }
+
+ private:
+  std::ostream* out_;
+  std::size_t shown_ = 0;
+};
+
 // PNG files in a folder; 0 if it is none.
 std::size_t PicturesIn(const std::string& folder) {
   std::error_code error;
@@ -112,12 +134,11 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
                              OpenPictureSink(options.output, {first.width, first.height, options.frames_per_second}));
 
   Sources sources(input);
+  ProgressLine progress(options.progress);
   const std::span<const VirtualView> all(views);
   for (std::size_t begin = 0; begin < all.size(); begin += static_cast<std::size_t>(threads)) {
     if (options.interrupted()) return Cancelled();
-    if (options.progress != nullptr) {
-      *options.progress << "\rpicture " << begin + 1 << " of " << all.size() << std::flush;
-    }
+    progress.Show("picture " + std::to_string(begin + 1) + " of " + std::to_string(all.size()));
     const auto batch = all.subspan(begin, std::min(static_cast<std::size_t>(threads), all.size() - begin));
     DEPTHFARM_RETURN_IF_ERROR(sources.Load(batch, threads));
     std::vector<Result<std::string>> pictures(batch.size(), Cancelled());
@@ -128,7 +149,7 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
     }
   }
   DEPTHFARM_RETURN_IF_ERROR(sink->Finish());
-  if (options.progress != nullptr) *options.progress << "\r" << std::string(40, ' ') << "\r" << std::flush;
+  progress.Show("");
   out << views.size() << (views.size() == 1 ? " picture of " : " pictures of ") << first.width << "x" << first.height
       << " from";
   for (const int source : views.front().sources)

@@ -160,8 +160,11 @@ TEST_F(SynthesizeCommandTest, InterruptedItLeavesNothingHalfWritten) {
     options.threads = 1;
     int asked = 0;
     options.interrupted = [&] { return ++asked > 2; };
+    std::ostringstream progress;
+    options.progress = &progress;
     std::ostringstream out;
     EXPECT_EQ(RunSynthesize(options, out).code(), ErrorCode::kCancelled);
+    EXPECT_THAT(progress.str(), testing::EndsWith(" \r"));  // the line is erased: a message begins its own
     EXPECT_EQ(Files(scene_->File("cut")), 0U);
   }
 }
