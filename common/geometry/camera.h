@@ -17,6 +17,7 @@ struct Camera {
   Eigen::Matrix3d intrinsics = Eigen::Matrix3d::Identity();               // K, upper triangular, pixels
   Eigen::Matrix3d cam_from_world_rotation = Eigen::Matrix3d::Identity();  // R
   Eigen::Vector3d cam_from_world_translation = Eigen::Vector3d::Zero();   // t, the sequence's unit of length
+  bool operator==(const Camera&) const = default;
 };
 
 // Checks sizes (1..32768 a side), K (finite, upper triangular, positive focal lengths, last row 0 0 1) and R

@@ -132,6 +132,17 @@ DepthLevels ResolvedJob::Levels() const {
   return std::move(levels).value();
 }
 
+ResolvedJob PartsOnly(int num_parts) {
+  ResolvedJob job;
+  job.params.gop = 1;
+  job.params.refine_rounds = 0;
+  job.params.end_frame = num_parts;
+  job.num_frames = num_parts;
+  job.level_blocks_i = 0;
+  job.level_blocks_p = 0;
+  return job;
+}
+
 Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams& params) {
   DEPTHFARM_RETURN_IF_ERROR(params.Validate());
   ResolvedJob job;

@@ -40,9 +40,12 @@ struct ResolvedJob {
   [[nodiscard]] bool IsIFrame(int frame) const { return frame % params.gop == 0; }
   [[nodiscard]] int IFrameOf(int frame) const { return frame - frame % params.gop; }
   [[nodiscard]] int NumBlocks(int frame) const { return IsIFrame(frame) ? level_blocks_i : level_blocks_p; }
-  // The level planes; valid because ResolveJob checked the range.
+  // The level planes (not of a rendering job); valid because ResolveJob checked the range.
   [[nodiscard]] DepthLevels Levels() const;
 };
+
+// Of a rendering job: `num_parts` frames that need nothing but to be written.
+[[nodiscard]] ResolvedJob PartsOnly(int num_parts);
 
 // Chooses what the parameters leave open:
 //   reference  the sequence's, else the centre camera of the views;

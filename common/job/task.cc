@@ -14,6 +14,8 @@ std::string TaskKindName(TaskKind kind) {
       return "merge";
     case TaskKind::kRefine:
       return "refine";
+    case TaskKind::kRender:
+      return "render";
     case TaskKind::kEmit:
       return "emit";
     case TaskKind::kCommit:
@@ -29,6 +31,7 @@ std::string TaskKindName(TaskKind kind) {
 std::string TaskName(const TaskId& id) {
   std::string name = "job " + std::to_string(id.job.value());
   const bool of_job = id.kind == TaskKind::kPrepare || id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
+  if (id.kind == TaskKind::kRender) return name + " render part " + std::to_string(id.frame);
   if (!of_job) name += " frame " + std::to_string(id.frame);
   name += " " + TaskKindName(id.kind);
   if (id.kind == TaskKind::kAnalyse) name += " view " + std::to_string(id.index);

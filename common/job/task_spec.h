@@ -8,6 +8,7 @@
 
 #include "common/job/resolved_job.h"
 #include "common/job/task.h"
+#include "common/job/virtual_picture.h"
 
 namespace depthfarm {
 
@@ -50,9 +51,9 @@ struct TaskInput {
   bool operator==(const TaskInput&) const = default;
 };
 
-// One depth file: written by Emit, renamed into place by Commit.
+// One depth file or virtual view: written by Emit or Render, renamed into place by Commit.
 struct OutputFile {
-  std::string path;  // relative to DIR/depth: "cam0/0000.png"
+  std::string path;  // depth: relative to DIR/depth: "cam0/0000.png"; views: to DIR: "views/0000.png"
   ContentDigest sha256{};
   std::uint64_t bytes = 0;
   bool operator==(const OutputFile&) const = default;
@@ -64,9 +65,10 @@ struct TaskSpec {
   std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine
   std::vector<TaskInput> inputs;
   std::string picture;                         // Analyse: absolute path
-  std::string staging;                         // Emit, Commit: folder below DIR/.depthfarm-staging
+  std::string staging;                         // Emit, Render, Commit: folder below DIR/.depthfarm-staging
   std::vector<OutputFile> files;               // Commit: of the frame; Manifest: of all frames, by frame, then view
   std::vector<ContentDigest> picture_digests;  // Manifest: of each picture, by frame, then view
+  std::vector<VirtualPicture> views;           // Render: of the part; Manifest of a rendering job: all, as `files`
   bool operator==(const TaskSpec&) const = default;
 };
 
@@ -85,7 +87,8 @@ struct TaskStats {
   bool operator==(const TaskStats&) const = default;
 };
 
-// What the tasks of a job have in common.
+// What the tasks of a job have in common. A job estimates depth, or it renders views from depth that is there; then
+// `resolved` has no cameras, and its frames are the parts of the job.
 struct JobConfig {
   JobId job;
   std::uint32_t algorithm_version = kAlgorithmVersion;
@@ -93,6 +96,7 @@ struct JobConfig {
   std::string output_dir;  // absolute, as the submitter sees it
   std::string sequence_name;
   std::string sequence_file;
+  std::optional<RenderSource> render;  // set: a rendering job
 };
 
 }  // namespace depthfarm

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/wire/bounds.h"
+#include "common/wire/render_wire.h"
 #include "common/wire/sequence_wire.h"
 
 namespace depthfarm {
@@ -181,6 +182,14 @@ v1::JobConfig ToProto(const JobConfig& config) {
   const ResolvedJob& job = config.resolved;
   proto.set_job_id(config.job.value());
   proto.set_algorithm_version(config.algorithm_version);
+  proto.set_num_frames(static_cast<std::uint32_t>(job.num_frames));
+  proto.set_output_dir(config.output_dir);
+  proto.set_sequence_name(config.sequence_name);
+  proto.set_sequence_file(config.sequence_file);
+  if (config.render) {
+    *proto.mutable_render() = ToProto(*config.render);
+    return proto;
+  }
   *proto.mutable_params() = ToProto(job.params);
   *proto.mutable_reference() = ToProto(job.reference);
   for (const JobView& view : job.views) {
@@ -195,12 +204,8 @@ v1::JobConfig ToProto(const JobConfig& config) {
     for (const int neighbour : view.neighbours) added->add_neighbours(static_cast<std::uint32_t>(neighbour));
     for (const int other : view.compared) added->add_compared(static_cast<std::uint32_t>(other));
   }
-  proto.set_num_frames(static_cast<std::uint32_t>(job.num_frames));
   proto.set_level_blocks_i(static_cast<std::uint32_t>(job.level_blocks_i));
   proto.set_level_blocks_p(static_cast<std::uint32_t>(job.level_blocks_p));
-  proto.set_output_dir(config.output_dir);
-  proto.set_sequence_name(config.sequence_name);
-  proto.set_sequence_file(config.sequence_file);
   return proto;
 }
 
@@ -208,7 +213,15 @@ Result<JobConfig> FromProto(const v1::JobConfig& proto) {
   JobConfig config;
   config.job = JobId(proto.job_id());
   config.algorithm_version = proto.algorithm_version();
-  DEPTHFARM_ASSIGN_OR_RETURN(config.resolved, ResolvedFromProto(proto));
+  if (proto.has_render()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(config.render, FromProto(proto.render()));
+    DEPTHFARM_ASSIGN_OR_RETURN(const int parts, BoundedInt("number of parts", proto.num_frames(), kMaxVirtualPictures));
+    if (parts < 1) return InvalidArgument("number of parts is 0, expected at least 1");
+    DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("sequence file", proto.sequence_file()));
+    config.resolved = PartsOnly(parts);
+  } else {
+    DEPTHFARM_ASSIGN_OR_RETURN(config.resolved, ResolvedFromProto(proto));
+  }
   DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("output folder", proto.output_dir()));
   config.output_dir = proto.output_dir();
   DEPTHFARM_RETURN_IF_ERROR(CheckText("sequence name", proto.sequence_name(), kMaxNameBytes));

@@ -1,10 +1,11 @@
 #include "common/wire/task_wire.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "common/wire/bounds.h"
+#include "common/wire/digest_wire.h"
+#include "common/wire/render_wire.h"
 
 namespace depthfarm {
 namespace {
@@ -117,21 +118,11 @@ Status ReadLists(const v1::TaskSpec& proto, TaskSpec& spec) {
     DEPTHFARM_ASSIGN_OR_RETURN(const ContentDigest parsed, DigestFromBytes("picture digest", digest));
     spec.picture_digests.push_back(parsed);
   }
+  DEPTHFARM_ASSIGN_OR_RETURN(spec.views, ViewsFromProto(proto.views()));
   return {};
 }
 
 }  // namespace
-
-std::string DigestBytes(const std::array<std::uint8_t, 32>& digest) { return {digest.begin(), digest.end()}; }
-
-Result<std::array<std::uint8_t, 32>> DigestFromBytes(std::string_view field, std::string_view bytes) {
-  std::array<std::uint8_t, 32> digest{};
-  if (bytes.size() != digest.size()) {
-    return InvalidArgument(std::string(field) + " has " + std::to_string(bytes.size()) + " bytes, expected 32");
-  }
-  std::transform(bytes.begin(), bytes.end(), digest.begin(), [](char c) { return static_cast<std::uint8_t>(c); });
-  return digest;
-}
 
 v1::TaskKind ToProto(TaskKind kind) {
   switch (kind) {
@@ -145,6 +136,8 @@ v1::TaskKind ToProto(TaskKind kind) {
       return v1::TASK_KIND_MERGE;
     case TaskKind::kRefine:
       return v1::TASK_KIND_REFINE;
+    case TaskKind::kRender:
+      return v1::TASK_KIND_RENDER;
     case TaskKind::kEmit:
       return v1::TASK_KIND_EMIT;
     case TaskKind::kCommit:
@@ -169,6 +162,8 @@ Result<TaskKind> FromProto(v1::TaskKind kind) {
       return TaskKind::kMerge;
     case v1::TASK_KIND_REFINE:
       return TaskKind::kRefine;
+    case v1::TASK_KIND_RENDER:
+      return TaskKind::kRender;
     case v1::TASK_KIND_EMIT:
       return TaskKind::kEmit;
     case v1::TASK_KIND_COMMIT:
@@ -178,7 +173,7 @@ Result<TaskKind> FromProto(v1::TaskKind kind) {
     case v1::TASK_KIND_CLEANUP:
       return TaskKind::kCleanup;
     default:
-      return InvalidArgument("task kind is " + std::to_string(kind) + ", expected 1 to 9");
+      return InvalidArgument("task kind is " + std::to_string(kind) + ", expected 1 to 10");
   }
 }
 
@@ -284,6 +279,7 @@ v1::TaskSpec ToProto(const TaskSpec& spec) {
   proto.set_staging(spec.staging);
   for (const OutputFile& file : spec.files) *proto.add_files() = ToProto(file);
   for (const ContentDigest& digest : spec.picture_digests) proto.add_picture_digests(DigestBytes(digest));
+  for (const VirtualPicture& view : spec.views) *proto.add_views() = ToProto(view);
   return proto;
 }
 
@@ -301,7 +297,8 @@ Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
   DEPTHFARM_RETURN_IF_ERROR(ReadLists(proto, spec));
   if (spec.id.kind == TaskKind::kAnalyse) DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("picture", proto.picture()));
   spec.picture = spec.id.kind == TaskKind::kAnalyse ? proto.picture() : "";
-  const bool stages = spec.id.kind == TaskKind::kEmit || spec.id.kind == TaskKind::kCommit;
+  const bool stages =
+      spec.id.kind == TaskKind::kEmit || spec.id.kind == TaskKind::kRender || spec.id.kind == TaskKind::kCommit;
   if (stages) DEPTHFARM_RETURN_IF_ERROR(CheckFileName("staging folder", proto.staging()));
   spec.staging = stages ? proto.staging() : "";
   return spec;

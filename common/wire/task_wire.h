@@ -1,21 +1,12 @@
 #ifndef DEPTHFARM_COMMON_WIRE_TASK_WIRE_H_
 #define DEPTHFARM_COMMON_WIRE_TASK_WIRE_H_
 
-#include <array>
-#include <cstdint>
-#include <string>
-#include <string_view>
-#include <vector>
-
 #include "common/base/status.h"
 #include "common/job/task_spec.h"
+#include "common/wire/digest_wire.h"
 #include "depthfarm/v1/task.pb.h"
 
 namespace depthfarm {
-
-// 32 bytes: ArtifactKey, ContentDigest.
-[[nodiscard]] std::string DigestBytes(const std::array<std::uint8_t, 32>& digest);
-[[nodiscard]] Result<std::array<std::uint8_t, 32>> DigestFromBytes(std::string_view field, std::string_view bytes);
 
 [[nodiscard]] v1::TaskKind ToProto(TaskKind kind);
 [[nodiscard]] v1::TaskId ToProto(const TaskId& id);

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "coordinator/cli/estimation_options.h"
+#include "coordinator/cli/farm_options.h"
 
 namespace depthfarm {
 
@@ -15,14 +16,6 @@ struct JobArguments {
   std::string output_dir;
   bool allow_outside = false;
   EstimationArguments estimation;
-};
-
-// How to reach a coordinator.
-struct FarmArguments {
-  std::string coordinator = "tcp://127.0.0.1:7700";
-  std::string keys;  // folder with client.key and coordinator.pub
-  bool insecure = false;
-  double timeout_seconds = 10;  // for one answer
 };
 
 struct LocalFarmArguments {

@@ -1,6 +1,6 @@
 #include "coordinator/cli/command_line.h"
 
-#include <CLI/CLI.hpp>  // the only file that includes it: 10 s to compile
+#include <CLI/CLI.hpp>  // 10 s to compile
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -61,25 +61,6 @@ void AddJobOptions(CLI::App& app, JobArguments& job) {
       ->type_name("DIR");
   app.add_flag("--allow-outside", job.allow_outside, "Accept picture paths that leave the folder of SEQUENCE");
   AddEstimationOptions(app, job.estimation);
-}
-
-void AddFarmOptions(CLI::App& app, FarmArguments& farm) {
-  const char* group = "Farm";
-  app.add_option("--coordinator", farm.coordinator, "Address of the coordinator")
-      ->type_name("tcp://HOST:PORT")
-      ->capture_default_str()
-      ->envname("DEPTHFARM_COORDINATOR")
-      ->group(group);
-  app.add_option("--keys", farm.keys, "Folder with client.key and coordinator.pub, see depthfarm keygen")
-      ->type_name("DIR")
-      ->envname("DEPTHFARM_KEYS")
-      ->group(group);
-  app.add_flag("--insecure", farm.insecure, "No encryption and no keys: loopback addresses only")->group(group);
-  app.add_option("--timeout", farm.timeout_seconds, "Seconds to wait for an answer of the coordinator")
-      ->type_name("S")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str()
-      ->group(group);
 }
 
 void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }

@@ -7,6 +7,7 @@
 #include "common/transport/endpoint.h"
 #include "common/transport/farm_keys.h"
 #include "common/wire/job_wire.h"
+#include "common/wire/render_wire.h"
 #include "common/wire/sequence_wire.h"
 
 namespace depthfarm {
@@ -76,8 +77,15 @@ Result<v1::Envelope> Client::Ask(v1::Envelope question, v1::Envelope::BodyCase e
 Result<std::uint64_t> Client::Submit(const JobSubmission& submission) {
   v1::Envelope question;
   v1::SubmitJob& submit = *question.mutable_submit_job();
-  *submit.mutable_sequence() = ToProto(submission.sequence);
-  *submit.mutable_params() = ToProto(submission.params);
+  if (submission.render) {
+    submit.mutable_sequence()->set_name(submission.sequence.name);
+    submit.mutable_sequence()->set_file(submission.sequence.file);
+    *submit.mutable_render()->mutable_source() = ToProto(submission.render->source);
+    for (const VirtualPicture& view : submission.render->views) *submit.mutable_render()->add_views() = ToProto(view);
+  } else {
+    *submit.mutable_sequence() = ToProto(submission.sequence);
+    *submit.mutable_params() = ToProto(submission.params);
+  }
   submit.set_output_dir(submission.output_dir);
   submit.set_name(submission.name);
   submit.set_priority(submission.priority);

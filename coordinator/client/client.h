@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/base/status.h"
 #include "common/job/estimation_params.h"
+#include "common/job/virtual_picture.h"
 #include "common/sequence/sequence.h"
 #include "common/transport/client_channel.h"
 #include "common/transport/context.h"
@@ -29,13 +31,22 @@ struct ClientCallOptions {
   std::function<bool()> stop;                 // asked several times a second; true ends the call with kCancelled
 };
 
-// A job as it is handed in. output_dir and the sequence's pictures are absolute paths as every worker sees them.
+// What a rendering job is handed in with.
+struct RenderSubmission {
+  RenderSource source;
+  std::vector<VirtualPicture> views;
+};
+
+// A job as it is handed in. output_dir, the sequence's file and its pictures are absolute paths as every worker sees
+// them.
 struct JobSubmission {
   Sequence sequence;
   EstimationParams params;
   std::string output_dir;
   std::string name;
   int priority = 0;
+  // Set: views are rendered; of the sequence its name and file count, of `params` nothing.
+  std::optional<RenderSubmission> render = std::nullopt;
 };
 
 // The submitter's side of the protocol (proto/PROTOCOL.md): one question at a time, each matched with its answer by the

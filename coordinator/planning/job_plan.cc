@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <utility>
+
+#include "common/sequence/frame_name.h"
 
 namespace depthfarm {
 namespace {
@@ -25,6 +26,10 @@ bool MakesArtifact(TaskKind kind) {
   return kind == TaskKind::kAnalyse || kind == TaskKind::kEstimate || kind == TaskKind::kMerge ||
          kind == TaskKind::kRefine;
 }
+
+bool StagesFiles(TaskKind kind) { return kind == TaskKind::kEmit || kind == TaskKind::kRender; }
+
+int NumParts(std::size_t num_views) { return static_cast<int>((num_views + kViewsPerPart - 1) / kViewsPerPart); }
 
 Status CheckPlannable(const ResolvedJob& job) {
   const std::int64_t files = std::int64_t{job.num_frames} * job.num_views();
@@ -67,7 +72,7 @@ std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
     for (int round = 0; refine > 0 && round <= refine; ++round) {
       for (int view = 0; view < resolved().num_views(); ++view) tasks.push_back(Refined(frame, view, round));
     }
-    tasks.push_back({job, frame, TaskKind::kEmit, 0, 0});
+    tasks.push_back({job, frame, renders() ? TaskKind::kRender : TaskKind::kEmit, 0, 0});
     tasks.push_back({job, frame, TaskKind::kCommit, 0, 0});
   }
   return tasks;
@@ -151,6 +156,7 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
       break;
     case TaskKind::kPrepare:
     case TaskKind::kAnalyse:
+    case TaskKind::kRender:
     case TaskKind::kCommit:
     case TaskKind::kManifest:
     case TaskKind::kCleanup:
@@ -162,8 +168,9 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
 std::vector<TaskId> JobPlan::Prerequisites(const TaskId& id) const {
   std::vector<TaskId> tasks;
   for (const PlannedInput& input : Inputs(id)) tasks.push_back(input.producer);
-  if (id.kind == TaskKind::kEmit) tasks.push_back(OfJob(TaskKind::kPrepare));
-  if (id.kind == TaskKind::kCommit) tasks.push_back({id.job, id.frame, TaskKind::kEmit, 0, 0});
+  if (StagesFiles(id.kind)) tasks.push_back(OfJob(TaskKind::kPrepare));
+  if (id.kind == TaskKind::kCommit)
+    tasks.push_back({id.job, id.frame, renders() ? TaskKind::kRender : TaskKind::kEmit, 0, 0});
   std::sort(tasks.begin(), tasks.end());
   tasks.erase(std::unique(tasks.begin(), tasks.end()), tasks.end());
   return tasks;
@@ -188,7 +195,10 @@ std::uint64_t JobPlan::Total(TaskKind kind) const {
       const auto refine = static_cast<std::uint64_t>(resolved().params.refine_rounds);
       return refine == 0 ? 0 : frames * static_cast<std::uint64_t>(resolved().num_views()) * (refine + 1);
     }
+    case TaskKind::kRender:
+      return renders() ? frames : 0;
     case TaskKind::kEmit:
+      return renders() ? 0 : frames;
     case TaskKind::kCommit:
       return frames;
     case TaskKind::kCleanup:
@@ -197,10 +207,21 @@ std::uint64_t JobPlan::Total(TaskKind kind) const {
   return 0;
 }
 
-std::string JobPlan::OutputPath(int frame, int view) const {
-  std::array<char, 16> number{};
-  std::snprintf(number.data(), number.size(), "%04d", resolved().params.first_frame + frame);
-  return resolved().views[static_cast<std::size_t>(view)].camera.name + "/" + number.data() + ".png";
+std::span<const VirtualPicture> JobPlan::ViewsOf(int part) const {
+  const std::span<const VirtualPicture> all(job_.views);
+  const std::size_t begin = static_cast<std::size_t>(part) * kViewsPerPart;
+  return all.subspan(begin, std::min<std::size_t>(kViewsPerPart, all.size() - begin));
+}
+
+std::vector<std::string> JobPlan::OutputPaths(int frame) const {
+  std::vector<std::string> paths;
+  if (renders()) {
+    for (const VirtualPicture& view : ViewsOf(frame)) paths.push_back(ViewFileName(view.number));
+    return paths;
+  }
+  const std::string file = FrameName(resolved().params.first_frame + frame) + ".png";
+  for (const JobView& view : resolved().views) paths.push_back(view.camera.name + "/" + file);
+  return paths;
 }
 
 }  // namespace depthfarm

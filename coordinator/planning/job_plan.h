@@ -2,8 +2,10 @@
 #define DEPTHFARM_COORDINATOR_PLANNING_JOB_PLAN_H_
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,13 +15,19 @@
 
 namespace depthfarm {
 
-inline constexpr int kNumTaskKinds = 9;
+inline constexpr int kNumTaskKinds = 10;
 
 // A job as it is planned: what its tasks have in common and where its pictures are.
 struct PlannedJob {
   JobConfig config;
   std::vector<std::vector<std::string>> pictures;  // [view][frame of the job], absolute paths
+  std::vector<VirtualPicture> views;               // of a rendering job: all that it makes, kViewsPerPart to a part
 };
+
+// Neighbours on a path share sources, which take longer to read than a view takes to render; eight views are a second
+// or two of work.
+inline constexpr int kViewsPerPart = 8;
+[[nodiscard]] int NumParts(std::size_t num_views);
 
 // An input of a task before anything has run: who makes it.
 struct PlannedInput {
@@ -34,6 +42,8 @@ struct PlannedInput {
 //   Prepare -----------------------------------------.
 //   Analyse(f, v) -> Estimate(f, b) -> Merge(f, r, p) -> Refine(f, r, v) -> Emit(f) -> Commit(f) -> Manifest
 //          `-> Estimate(f + 1, b), and those of the whole GOP if f is its I frame; so with Refine(f, last, v)
+//
+// Of a rendering job: Prepare -> Render(f) -> Commit(f) -> Manifest, f a part.
 class JobPlan {
  public:
   explicit JobPlan(PlannedJob job);
@@ -62,9 +72,13 @@ class JobPlan {
   // How many tasks of a kind the job has (Cleanup: 0).
   [[nodiscard]] std::uint64_t Total(TaskKind kind) const;
 
-  // What Emit(frame) must write, view by view, relative to DIR/depth: "cam0/0012.png". The number is the frame's
-  // position in the sequence, four digits or more.
-  [[nodiscard]] std::string OutputPath(int frame, int view) const;
+  // True for a job that renders views.
+  [[nodiscard]] bool renders() const { return job_.config.render.has_value(); }
+  // The views that Render(part) makes.
+  [[nodiscard]] std::span<const VirtualPicture> ViewsOf(int part) const;
+  // What Emit(frame) must write, view by view, relative to DIR/depth: "cam0/0012.png", the number being the frame's
+  // position in the sequence; what Render(frame) must write: ViewFileName. Numbers have four digits or more.
+  [[nodiscard]] std::vector<std::string> OutputPaths(int frame) const;
 
  private:
   // The task that made partial result `index` of merge round `round` (0: the blocks); passing on makes no task.
@@ -80,6 +94,9 @@ class JobPlan {
 
 // True for the kinds whose result is an artifact: Analyse, Estimate, Merge, Refine.
 [[nodiscard]] bool MakesArtifact(TaskKind kind);
+
+// True for the kinds that write into a staging folder: Emit, Render.
+[[nodiscard]] bool StagesFiles(TaskKind kind);
 
 // Bounds of one job: the Manifest task names every depth file in one message. kInvalidArgument names the bound.
 [[nodiscard]] Status CheckPlannable(const ResolvedJob& job);

@@ -118,6 +118,7 @@ void JobProgress::CommitFrame(int frame) {
   for (const OutputFile& file : emitted->second.files) {
     done_files_[static_cast<std::size_t>(frame)].push_back({file.sha256, file.bytes});
   }
+  files_done_ += static_cast<int>(emitted->second.files.size());
   emitted_.erase(emitted);
   ++frames_done_;
   const int gop = plan_.GopOf(frame);
@@ -170,6 +171,7 @@ std::vector<ArtifactInfo> JobProgress::InputsOf(const TaskId& id) const {
 std::optional<ArtifactKey> JobProgress::OutputKey(const TaskId& id, const std::vector<TaskInput>& inputs) const {
   if (!MakesArtifact(id.kind) || id.kind == TaskKind::kAnalyse) return std::nullopt;  // its worker finds the name
   std::vector<ArtifactKeys::Input> keys;
+  keys.reserve(inputs.size());
   for (const TaskInput& input : inputs) keys.push_back({input.role, input.artifact.key});
   if (id.kind == TaskKind::kMerge) return keys_.Merge(keys);
   if (id.kind == TaskKind::kRefine) return keys_.Refine(id.index, id.pair, keys);
@@ -190,12 +192,16 @@ TaskSpec JobProgress::Spec(const TaskId& id) const {
   }
   if (id.kind == TaskKind::kManifest) {
     for (int frame = 0; frame < plan_.resolved().num_frames; ++frame) {
-      int view = 0;
-      for (const DoneFile& file : done_files_[static_cast<std::size_t>(frame)]) {
-        spec.files.push_back({plan_.OutputPath(frame, view++), file.sha256, file.bytes});
-      }
+      const std::vector<std::string> paths = plan_.OutputPaths(frame);
+      const std::vector<DoneFile>& files = done_files_[static_cast<std::size_t>(frame)];
+      for (std::size_t i = 0; i < files.size(); ++i) spec.files.push_back({paths[i], files[i].sha256, files[i].bytes});
     }
     spec.picture_digests = picture_digests_;
+    spec.views = plan_.job().views;
+  }
+  if (id.kind == TaskKind::kRender) {
+    const std::span<const VirtualPicture> views = plan_.ViewsOf(id.frame);
+    spec.views.assign(views.begin(), views.end());
   }
   return spec;
 }
@@ -206,7 +212,7 @@ std::optional<GrantedTask> JobProgress::Take(const TaskId& id, LeaseId lease) {
   Task* task = table_.Find(id);
   if (task == nullptr || task->state != TaskState::kReady) return std::nullopt;
   GrantedTask granted{Spec(id), {}};
-  if (id.kind == TaskKind::kEmit) granted.spec.staging = StagingName(id.frame, task->failures + 1, lease);
+  if (StagesFiles(id.kind)) granted.spec.staging = StagingName(id.frame, task->failures + 1, lease);
   for (const TaskInput& input : granted.spec.inputs) {
     std::vector<WorkerId> holders = directory_.Holders(input.artifact.key);
     // Different tasks begin with different holders, so that one worker does not serve them all.
@@ -240,16 +246,15 @@ Status JobProgress::CheckResult(const TaskFinished& result, const Task& task) co
   if (id.kind == TaskKind::kAnalyse && !result.picture_digest) {
     return Internal(TaskName(id) + " ended without the digest of its picture");
   }
-  if (id.kind != TaskKind::kEmit) return {};
-  const int views = plan_.resolved().num_views();
-  if (static_cast<int>(result.files.size()) != views) {
+  if (!StagesFiles(id.kind)) return {};
+  const std::vector<std::string> expected = plan_.OutputPaths(id.frame);
+  if (result.files.size() != expected.size()) {
     return Internal(TaskName(id) + " wrote " + std::to_string(result.files.size()) + " files, expected " +
-                    std::to_string(views));
+                    std::to_string(expected.size()));
   }
-  for (int view = 0; view < views; ++view) {
-    const std::string& path = result.files[static_cast<std::size_t>(view)].path;
-    const std::string expected = plan_.OutputPath(id.frame, view);
-    if (path != expected) return Internal(TaskName(id) + " wrote '" + path + "', expected '" + expected + "'");
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const std::string& path = result.files[i].path;
+    if (path != expected[i]) return Internal(TaskName(id) + " wrote '" + path + "', expected '" + expected[i] + "'");
   }
   return {};
 }
@@ -267,7 +272,7 @@ Result<bool> JobProgress::Finish(const TaskFinished& result) {
     const auto position = static_cast<std::size_t>(id.frame) * plan_.resolved().views.size();
     picture_digests_[position + static_cast<std::size_t>(id.index)] = *result.picture_digest;
   }
-  if (id.kind == TaskKind::kEmit) emitted_[id.frame] = {task.staging, result.files};
+  if (StagesFiles(id.kind)) emitted_[id.frame] = {task.staging, result.files};
   StageSnapshot& stage = Stage(id.kind);
   stage.cpu_seconds += result.stats.cpu_seconds;
   stage.wall_seconds += result.stats.wall_seconds;

@@ -68,6 +68,7 @@ class JobProgress {
   [[nodiscard]] bool done() const { return done_; }
 
   [[nodiscard]] int frames_done() const { return frames_done_; }
+  [[nodiscard]] int files_done() const { return files_done_; }
   [[nodiscard]] const std::array<StageSnapshot, kNumTaskKinds>& stages() const { return stages_; }
 
  private:
@@ -113,6 +114,7 @@ class JobProgress {
   std::optional<TaskId> worn_out_;
   std::array<StageSnapshot, kNumTaskKinds> stages_;
   int frames_done_ = 0;
+  int files_done_ = 0;  // of those frames
   bool prepare_was_granted_ = false;
   bool done_ = false;
 };

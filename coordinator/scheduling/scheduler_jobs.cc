@@ -176,6 +176,7 @@ std::vector<WorkerId> Scheduler::FreeWorkers() const {
   }
   std::sort(free.begin(), free.end());
   std::vector<WorkerId> ids;
+  ids.reserve(free.size());
   for (const auto& [received, id] : free) ids.push_back(id);
   return ids;
 }
@@ -267,8 +268,9 @@ JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
   snapshot.output_dir = job.progress->plan().job().config.output_dir;
   snapshot.priority = job.priority;
   snapshot.error = job.error;
-  snapshot.frames_done = job.progress->frames_done();
-  snapshot.frames_total = job.progress->plan().resolved().num_frames;
+  const JobPlan& plan = job.progress->plan();
+  snapshot.frames_done = plan.renders() ? job.progress->files_done() : job.progress->frames_done();
+  snapshot.frames_total = plan.renders() ? static_cast<int>(plan.job().views.size()) : plan.resolved().num_frames;
   snapshot.stages = job.progress->stages();
   for (const auto& [lease_id, lease] : workers_.leases()) {
     if (lease.task.job == id) snapshot.running.push_back({lease.task, lease.worker, workers_.Find(lease.worker)->name});

@@ -310,7 +310,7 @@ Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
                            ": wait for it, cancel it, or choose another folder");
   }
   ++last_job_;
-  jobs_[id] = {ToProto(job.config), Summary(job.config.resolved)};
+  jobs_[id] = {ToProto(job.config), Summary(job)};
   Dispatch(JobSubmitted{std::move(job), request.name(), request.priority()});
   v1::Envelope answer;
   answer.mutable_job_accepted()->set_job_id(id.value());

@@ -8,6 +8,7 @@
 
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
+#include "common/wire/render_wire.h"
 #include "common/wire/sequence_wire.h"
 
 namespace depthfarm {
@@ -41,24 +42,51 @@ std::string WithThousands(std::int64_t number) {
   return text;
 }
 
-}  // namespace
+// A job that renders views: the sequence and its depth are read by the workers.
+Result<PlannedJob> PlanRendering(const v1::SubmitJob& request) {
+  PlannedJob job;
+  DEPTHFARM_ASSIGN_OR_RETURN(job.config.render, FromProto(request.render().source()));
+  DEPTHFARM_ASSIGN_OR_RETURN(job.views, ViewsFromProto(request.render().views()));
+  if (job.views.empty()) return InvalidArgument("the job has no views to render");
+  job.config.sequence_name = request.sequence().name();
+  job.config.sequence_file = request.sequence().file();
+  DEPTHFARM_RETURN_IF_ERROR(CheckText("sequence name", job.config.sequence_name, kMaxNameBytes));
+  DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("sequence file", job.config.sequence_file));
+  job.config.resolved = PartsOnly(NumParts(job.views.size()));
+  return job;
+}
 
-Result<PlannedJob> PlanSubmission(const v1::SubmitJob& request, JobId id) {
+Result<PlannedJob> PlanEstimation(const v1::SubmitJob& request) {
   DEPTHFARM_ASSIGN_OR_RETURN(const Sequence sequence, FromProto(request.sequence()));
   DEPTHFARM_ASSIGN_OR_RETURN(const EstimationParams params, FromProto(request.params()));
-  DEPTHFARM_RETURN_IF_ERROR(CheckText("job name", request.name(), kMaxNameBytes));
   PlannedJob job;
-  DEPTHFARM_ASSIGN_OR_RETURN(job.config.output_dir, OutputFolder(request.output_dir()));
   DEPTHFARM_ASSIGN_OR_RETURN(job.config.resolved, ResolveJob(sequence, params));
   DEPTHFARM_RETURN_IF_ERROR(CheckPlannable(job.config.resolved));
-  job.config.job = id;
   job.config.sequence_name = sequence.name;
   job.config.sequence_file = sequence.file;
   job.pictures = PicturesOf(sequence, job.config.resolved);
   return job;
 }
 
-std::string Summary(const ResolvedJob& job) {
+std::string SummaryOfViews(const std::vector<VirtualPicture>& views) {
+  const Camera& first = views.front().camera;
+  return WithThousands(static_cast<std::int64_t>(views.size())) + " virtual views, " + std::to_string(first.width) +
+         "x" + std::to_string(first.height);
+}
+
+}  // namespace
+
+Result<PlannedJob> PlanSubmission(const v1::SubmitJob& request, JobId id) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckText("job name", request.name(), kMaxNameBytes));
+  DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob job, request.has_render() ? PlanRendering(request) : PlanEstimation(request));
+  DEPTHFARM_ASSIGN_OR_RETURN(job.config.output_dir, OutputFolder(request.output_dir()));
+  job.config.job = id;
+  return job;
+}
+
+std::string Summary(const PlannedJob& planned) {
+  if (planned.config.render) return SummaryOfViews(planned.views);
+  const ResolvedJob& job = planned.config.resolved;
   const Camera& first = job.views[0].camera;
   const bool same_size = std::all_of(job.views.begin(), job.views.end(), [&](const JobView& view) {
     return view.camera.width == first.width && view.camera.height == first.height;

@@ -17,6 +17,31 @@ struct JobShape {
   int refine = 0;
 };
 
+// `count` views, numbered from `first`, of a camera as small as can be.
+inline std::vector<VirtualPicture> MakeViews(int count, int first = 0) {
+  std::vector<VirtualPicture> views;
+  for (int i = 0; i < count; ++i) {
+    VirtualPicture view{{}, i, {"cam0", "cam1"}, first + i};
+    view.camera.name = "virtual";
+    view.camera.width = view.camera.height = 16;
+    view.camera.intrinsics << 20, 0, 7.5, 0, 20, 7.5, 0, 0, 1;
+    views.push_back(view);
+  }
+  return views;
+}
+
+// A job that renders `count` views.
+inline PlannedJob MakeRenderingJob(std::uint64_t id, int count) {
+  PlannedJob job;
+  job.config.job = JobId(id);
+  job.config.output_dir = "/out/" + std::to_string(id);
+  job.config.sequence_file = "/in/sequence.json";
+  job.config.render = RenderSource{"/depth", {}};
+  job.views = MakeViews(count);
+  job.config.resolved = PartsOnly(NumParts(job.views.size()));
+  return job;
+}
+
 // A job of the wanted shape whose cameras and numbers are as small as can be.
 inline PlannedJob MakePlannedJob(const JobShape& shape) {
   PlannedJob job;

@@ -5,6 +5,8 @@
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
+#include "common/sequence/depth_manifest.h"
+#include "worker/execution/views_manifest.h"
 
 namespace depthfarm {
 namespace {
@@ -14,22 +16,13 @@ namespace fs = std::filesystem;
 constexpr const char* kMarker = ".depthfarm-job";
 constexpr const char* kStaging = ".depthfarm-staging";
 constexpr const char* kDepth = "depth";
+constexpr const char* kViews = "views";
 
 // One component of a path: it cannot lead anywhere else.
 bool IsPlainName(std::string_view name) {
   return !name.empty() && name != "." && name != ".." && std::ranges::none_of(name, [](char c) {
     return c == '/' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
   });
-}
-
-// "<camera>/<file>".
-Status CheckOutputPath(const std::string& path) {
-  const std::size_t slash = path.find('/');
-  if (slash != std::string::npos && IsPlainName(std::string_view(path).substr(0, slash)) &&
-      IsPlainName(std::string_view(path).substr(slash + 1))) {
-    return {};
-  }
-  return InvalidArgument("output file '" + path + "': expected <camera>/<file>");
 }
 
 Status RemoveAll(const fs::path& path) {
@@ -48,32 +41,54 @@ bool Exists(const fs::path& path) {
 Status CheckContent(const fs::path& path, const OutputFile& expected) {
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, ReadFileBytes(path.string(), expected.bytes));
   if (Sha256(bytes) == expected.sha256) return {};
-  return Corrupt(path.string() + ": its SHA-256 is not that of the depth map that was written");
+  return Corrupt(path.string() + ": its SHA-256 is not that of the file that was written");
 }
 
 }  // namespace
 
-Result<OutputFolder> OutputFolder::At(const std::string& dir) {
+Result<OutputFolder> OutputFolder::At(const std::string& dir, OutputContent content) {
   const fs::path path(dir);
   const bool climbs = std::ranges::find(path, fs::path("..")) != path.end();
   if (!path.is_absolute() || climbs || path == path.root_path()) {
     return InvalidArgument("output folder '" + dir + "': expected an absolute path of a folder without '..'");
   }
-  return OutputFolder(path);
+  return OutputFolder(path, content);
+}
+
+fs::path OutputFolder::Manifest() const {
+  return dir_ / (content_ == OutputContent::kDepth ? kDepthManifestName : kViewsManifestName);
+}
+
+fs::path OutputFolder::Files() const { return dir_ / (content_ == OutputContent::kDepth ? kDepth : kViews); }
+
+fs::path OutputFolder::Target(const OutputFile& file) const {
+  return content_ == OutputContent::kDepth ? Files() / file.path : dir_ / file.path;
+}
+
+// "<camera>/<file>" of depth, "views/<file>" of views.
+Status OutputFolder::CheckOutputPath(const std::string& path) const {
+  const std::size_t slash = path.find('/');
+  if (slash != std::string::npos && IsPlainName(std::string_view(path).substr(0, slash)) &&
+      IsPlainName(std::string_view(path).substr(slash + 1)) &&
+      (content_ == OutputContent::kDepth || path.substr(0, slash) == kViews)) {
+    return {};
+  }
+  return InvalidArgument("output file '" + path + "': expected " +
+                         (content_ == OutputContent::kDepth ? "<camera>" : kViews) + "/<file>");
 }
 
 Status OutputFolder::Prepare() const {
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(dir_.string()));
-  const bool ours = Exists(dir_ / kDepthManifestName) || Exists(dir_ / kMarker);
-  if (Exists(dir_ / kDepth) && !ours) {
-    return InvalidArgument((dir_ / kDepth).string() +
-                           ": exists and was not made by depthfarm (no depth.json beside it): choose another folder");
+  const bool ours = Exists(Manifest()) || Exists(dir_ / kMarker);
+  if (Exists(Files()) && !ours) {
+    return InvalidArgument(Files().string() + ": exists and was not made by depthfarm (no " +
+                           Manifest().filename().string() + " beside it): choose another folder");
   }
   // The marker first: a worker that dies below leaves a folder that is still known to be ours.
   DEPTHFARM_RETURN_IF_ERROR(
       WriteFileAtomically((dir_ / kMarker).string(), "a depthfarm job writes into this folder\n"));
-  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(dir_ / kDepthManifestName));
-  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(dir_ / kDepth));
+  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Manifest()));
+  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Files()));
   return RemoveStaging();
 }
 
@@ -101,7 +116,7 @@ Status OutputFolder::Commit(const std::string& staging, const std::vector<Output
 
 Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file) const {
   const fs::path source = staging / file.path;
-  const fs::path target = dir_ / kDepth / file.path;
+  const fs::path target = Target(file);
   if (!Exists(source)) {
     if (Exists(target)) return CheckContent(target, file);  // an earlier attempt of this commit got that far
     return Unavailable(source.string() + ": is missing, and so is " + target.string());
@@ -116,8 +131,8 @@ Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file)
   return Unavailable(target.string() + ": cannot move the file there: " + error.message());
 }
 
-Status OutputFolder::Finish(const DepthManifest& manifest) const {
-  DEPTHFARM_RETURN_IF_ERROR(WriteDepthManifest(dir_.string(), manifest));
+Status OutputFolder::Finish(std::string_view manifest) const {
+  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(Manifest().string(), manifest));
   DEPTHFARM_RETURN_IF_ERROR(RemoveStaging());
   return RemoveAll(dir_ / kMarker);
 }

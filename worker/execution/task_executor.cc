@@ -4,10 +4,12 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "common/digest/sha256.h"
+#include "common/media/colour_map.h"
 #include "common/media/depth_file.h"
 #include "common/media/picture_reader.h"
 #include "worker/estimation/estimation.h"
@@ -16,8 +18,10 @@
 #include "worker/execution/job_manifest.h"
 #include "worker/execution/output_folder.h"
 #include "worker/execution/resource_usage.h"
+#include "worker/execution/views_manifest.h"
 #include "worker/refinement/refine.h"
 #include "worker/refinement/refined_view_codec.h"
+#include "worker/rendering/source_views.h"
 #include "worker/segmentation/analysis_codec.h"
 
 namespace depthfarm {
@@ -31,7 +35,12 @@ struct TaskExecutor::Task {
 
   [[nodiscard]] const ResolvedJob& job() const { return config.resolved; }
   [[nodiscard]] int SequenceFrame() const { return job().params.first_frame + spec.id.frame; }
-  [[nodiscard]] std::string FrameName() const { return "frame " + std::to_string(SequenceFrame()); }
+  [[nodiscard]] std::string FrameName() const {
+    return config.render ? "part " + std::to_string(spec.id.frame) : "frame " + std::to_string(SequenceFrame());
+  }
+  [[nodiscard]] Result<OutputFolder> Output() const {
+    return OutputFolder::At(config.output_dir, config.render ? OutputContent::kViews : OutputContent::kDepth);
+  }
   [[nodiscard]] Status LoadInputs() const { return inputs.Load(spec, job().num_views()).WithContext(FrameName()); }
 };
 
@@ -41,6 +50,14 @@ namespace {
 Status CheckFrame(const TaskSpec& spec, const ResolvedJob& job) {
   if (spec.id.frame >= 0 && spec.id.frame < job.num_frames) return {};
   return InvalidArgument(TaskName(spec.id) + ": the job has frames 0 to " + std::to_string(job.num_frames - 1));
+}
+
+// A rendering job has no cameras to estimate, another one no views to render.
+Status CheckKind(const TaskId& id, const JobConfig& config) {
+  const bool of_estimation = id.kind == TaskKind::kAnalyse || id.kind == TaskKind::kEstimate ||
+                             id.kind == TaskKind::kMerge || id.kind == TaskKind::kRefine || id.kind == TaskKind::kEmit;
+  if (config.render ? !of_estimation : id.kind != TaskKind::kRender) return {};
+  return InvalidArgument(TaskName(id) + ": the job " + (config.render ? "renders views" : "estimates depth"));
 }
 
 void Count(const EstimationStats& from, TaskStats& to) {
@@ -112,6 +129,7 @@ Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
                                           std::to_string(kAlgorithmVersion)};
   }
   DEPTHFARM_RETURN_IF_ERROR(CheckFrame(task.spec, task.job()));
+  DEPTHFARM_RETURN_IF_ERROR(CheckKind(task.spec.id, task.config));
   switch (task.spec.id.kind) {
     case TaskKind::kAnalyse:
       return Analyse(task, outcome);
@@ -123,13 +141,15 @@ Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
       return Refine(task, outcome);
     case TaskKind::kEmit:
       return Emit(task, outcome);
+    case TaskKind::kRender:
+      return Render(task, outcome).WithContext(task.FrameName());
     case TaskKind::kCommit:
       return Commit(task);
     case TaskKind::kManifest:
       return Manifest(task);
     case TaskKind::kPrepare:
     case TaskKind::kCleanup: {
-      DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+      DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, task.Output());
       return task.spec.id.kind == TaskKind::kPrepare ? folder.Prepare() : folder.RemoveStaging();
     }
   }
@@ -275,30 +295,62 @@ Status TaskExecutor::EmitView(const Task& task, std::size_t view, const Grid<std
   Result<std::string> png = EncodeDepthPng(codes);
   if (!png.ok()) return png.status().WithContext("camera '" + camera + "'");
   const std::string in_depth = DepthFileName(camera, task.SequenceFrame());
-  OutputFile file{.path = in_depth.substr(in_depth.find('/') + 1), .sha256 = Sha256(*png), .bytes = png->size()};
-  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
-  DEPTHFARM_RETURN_IF_ERROR(folder.Stage(task.spec.staging, file.path, *png));
+  return Stage(task, in_depth.substr(in_depth.find('/') + 1), *png, outcome);
+}
+
+Status TaskExecutor::Stage(const Task& task, std::string path, const std::string& bytes, TaskOutcome& outcome) {
+  OutputFile file{.path = std::move(path), .sha256 = Sha256(bytes), .bytes = bytes.size()};
+  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, task.Output());
+  DEPTHFARM_RETURN_IF_ERROR(folder.Stage(task.spec.staging, file.path, bytes));
   outcome.files.push_back(std::move(file));
   return {};
 }
 
+Status TaskExecutor::Render(const Task& task, TaskOutcome& outcome) {
+  DEPTHFARM_RETURN_IF_ERROR(task.Output().status());  // before anything is read
+  const RenderSource& source = *task.config.render;
+  DEPTHFARM_ASSIGN_OR_RETURN(const RenderSource found, RenderSourceOf(source.depth_dir));
+  if (found.manifest_sha256 != source.manifest_sha256) {
+    return InvalidArgument(source.depth_dir +
+                           ": depth.json is not the one the job was submitted with; submit it again");
+  }
+  SequenceWithDepth input;
+  DEPTHFARM_RETURN_IF_ERROR(ReadSequenceWithDepth(task.config.sequence_file, source.depth_dir, input));
+  SourceViews sources(input);
+  for (const VirtualPicture& picture : task.spec.views) {
+    if (task.stop.stop_requested()) return Cancelled();
+    DEPTHFARM_ASSIGN_OR_RETURN(const VirtualView view, FindSources(input, picture));
+    DEPTHFARM_RETURN_IF_ERROR(sources.Load(std::span(&view, 1), 1));
+    DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView rendered, sources.Render(view));
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string png, EncodeRgbPng(ToRgb(rendered.picture)));
+    DEPTHFARM_RETURN_IF_ERROR(Stage(task, ViewFileName(picture.number), png, outcome));
+  }
+  return {};
+}
+
 Status TaskExecutor::Emit(const Task& task, TaskOutcome& outcome) {
-  DEPTHFARM_RETURN_IF_ERROR(OutputFolder::At(task.config.output_dir).status());  // before anything is loaded
+  DEPTHFARM_RETURN_IF_ERROR(task.Output().status());  // before anything is loaded
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
   const Status status = task.job().params.refine_rounds > 0 ? EmitRefined(task, outcome) : EmitLabels(task, outcome);
   return status.WithContext(task.FrameName());
 }
 
 Status TaskExecutor::Commit(const Task& task) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, task.Output());
   return folder.Commit(task.spec.staging, task.spec.files).WithContext(task.FrameName());
 }
 
 Status TaskExecutor::Manifest(const Task& task) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, OutputFolder::At(task.config.output_dir));
+  DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, task.Output());
+  if (task.config.render) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string text,
+                               FormatViewsManifest(task.config, task.spec.views, task.spec.files));
+    return folder.Finish(text);
+  }
   DEPTHFARM_ASSIGN_OR_RETURN(const DepthManifest manifest,
                              ManifestOf(task.config, task.spec.files, task.spec.picture_digests));
-  return folder.Finish(manifest);
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string text, FormatDepthManifest(manifest));
+  return folder.Finish(text);
 }
 
 template <typename T>

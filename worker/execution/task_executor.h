@@ -19,7 +19,7 @@ struct TaskOutcome {
   Status status;
   std::optional<ArtifactKey> output_key;        // Analyse: the name it found
   std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge, Refine; in the store
-  std::vector<OutputFile> files;                // Emit: written into the staging folder
+  std::vector<OutputFile> files;                // Emit, Render: written into the staging folder
   std::optional<ContentDigest> picture_digest;  // Analyse
   std::vector<ArtifactKey> missing_inputs;      // inputs that could be had nowhere (kUnavailable)
   TaskStats stats;
@@ -48,10 +48,13 @@ class TaskExecutor {
   [[nodiscard]] Status Merge(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Refine(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Emit(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] static Status Render(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Commit(const Task& task);
   [[nodiscard]] Status Manifest(const Task& task);
   [[nodiscard]] static Status EmitRefined(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] static Status EmitLabels(const Task& task, TaskOutcome& outcome);
+  // Writes a file of the attempt.
+  [[nodiscard]] static Status Stage(const Task& task, std::string path, const std::string& bytes, TaskOutcome& outcome);
   [[nodiscard]] static Status EmitView(const Task& task, std::size_t view, const Grid<std::uint16_t>& codes,
                                        TaskOutcome& outcome);
   // Whether the artifact (T: LabelField, RefinedView) that the task is to make is here already.

@@ -23,8 +23,8 @@
 #include "worker/media_cli/evaluate_rates.h"
 #include "worker/media_cli/evaluate_report.h"
 #include "worker/media_cli/evaluate_targets.h"
-#include "worker/media_cli/sequence_with_depth.h"
 #include "worker/media_cli/text_table.h"
+#include "worker/rendering/sequence_with_depth.h"
 
 namespace depthfarm {
 namespace {

@@ -8,7 +8,7 @@
 #include "common/base/status.h"
 #include "common/video/hevc_rate.h"
 #include "worker/media_cli/evaluate_targets.h"
-#include "worker/media_cli/sequence_with_depth.h"
+#include "worker/rendering/sequence_with_depth.h"
 
 namespace depthfarm {
 

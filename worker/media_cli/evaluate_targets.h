@@ -7,7 +7,7 @@
 #include "common/base/status.h"
 #include "common/synthesis/source_view.h"
 #include "worker/media_cli/evaluate_command.h"
-#include "worker/media_cli/sequence_with_depth.h"
+#include "worker/rendering/sequence_with_depth.h"
 
 namespace depthfarm {
 

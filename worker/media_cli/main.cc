@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
+#include <cmath>
 #include <csignal>
+#include <cstdlib>
 #include <exception>
 #include <functional>
 #include <iostream>
@@ -18,9 +21,12 @@
 #include <vector>
 
 #include "common/base/status.h"
+#include "coordinator/cli/farm_options.h"
+#include "coordinator/client/client.h"
 #include "worker/media_cli/colour_command.h"
 #include "worker/media_cli/evaluate_command.h"
 #include "worker/media_cli/scene_command.h"
+#include "worker/media_cli/submit_views.h"
 #include "worker/media_cli/synthesize_command.h"
 
 namespace {
@@ -30,6 +36,7 @@ using depthfarm::Status;
 constexpr int kExitOk = 0;
 constexpr int kExitFailed = 1;
 constexpr int kExitBadUsage = 2;
+constexpr int kExitNoCoordinator = 3;
 constexpr int kExitInterrupted = 130;
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -40,8 +47,45 @@ void CatchInterruptions() {
   for (const int number : {SIGINT, SIGTERM}) std::signal(number, note);  // NOLINT(bugprone-signal-handler): one store
 }
 
-// What parsing leaves behind: the chosen command with its options bound.
-using Action = std::function<Status()>;
+// What parsing leaves behind: the chosen command with its options bound. No farm answering is a code of its own.
+struct Outcome {
+  Status status;
+  bool no_coordinator = false;
+  Outcome(Status how) : status(std::move(how)) {}  // NOLINT(google-explicit-constructor): every command ends in one
+};
+using Action = std::function<Outcome()>;
+
+// Where and how a job is handed in.
+struct SubmitOptions {
+  bool submit = false;
+  depthfarm::FarmArguments farm;
+  std::string name;
+  int priority = 0;
+};
+
+// `value` of an option that was not given is that of the environment, if there.
+void UseEnvironment(const CLI::App& command, const char* option, const char* variable, std::string& value) {
+  const char* text = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe): no other thread yet
+  if (command.get_option(option)->count() == 0 && text != nullptr) value = text;
+}
+
+Outcome SubmitViews(const depthfarm::SynthesizeCommandOptions& views, const SubmitOptions& options) {
+  const auto job = depthfarm::PlanViewsJob(views, options.name, options.priority);
+  if (!job.ok()) return job.status();
+  const auto client = depthfarm::Client::Connect(
+      {.endpoint = options.farm.coordinator, .keys_dir = options.farm.keys, .insecure = options.farm.insecure},
+      {.timeout = std::chrono::milliseconds(std::llround(options.farm.timeout_seconds * 1000)),
+       .stop = [] { return interrupted != 0; }});
+  if (!client.ok()) return client.status();
+  const auto id = (*client)->Submit(*job);
+  if (id.ok()) {
+    std::cout << *id << "\n";
+    return Status();
+  }
+  Outcome outcome(id.status());
+  outcome.no_coordinator = id.status().code() == depthfarm::ErrorCode::kUnavailable;
+  return outcome;
+}
 
 // `text` as "first<separator>second", both whole numbers. False when it is not.
 bool ParsePair(const std::string& text, char separator, int* first, int* second) {
@@ -199,17 +243,46 @@ void AddSynthesize(CLI::App* command, Action* action) {
   command->add_option("--threads", options->threads, "Pictures made at once; 0: one per core")
       ->capture_default_str()
       ->type_name("N");
+  auto submit = std::make_shared<SubmitOptions>();
+  command->add_flag(
+      "--submit", submit->submit,
+      "Hand the pictures to a farm, which writes DIR/views/NUMBER.png and DIR/views.json; prints the job's "
+      "number for depthfarm watch. DEPTHFARM_COORDINATOR and DEPTHFARM_KEYS count as options");
+  for (const char* local : {"--threads", "--fps"}) {
+    command->get_option("--submit")->excludes(command->get_option(local));
+  }
+  depthfarm::AddFarmOptions(*command, submit->farm);
+  command->add_option("--priority", submit->priority, "Jobs of higher priority go first")
+      ->type_name("P")
+      ->check(CLI::Range(-1000, 1000))
+      ->capture_default_str()
+      ->group("Farm");
+  command->add_option("--name", submit->name, "Name of the job; default: the sequence's and 'views'")
+      ->type_name("S")
+      ->group("Farm");
+  // The environment counts with --submit only (UseEnvironment): given by hand without it, they are an error.
+  for (const char* farm : {"--coordinator", "--keys"}) command->get_option(farm)->envname("");
+  for (const char* farm : {"--coordinator", "--keys", "--insecure", "--timeout", "--priority", "--name"}) {
+    command->get_option(farm)->needs(command->get_option("--submit"));
+  }
   command->footer(
       "Depth-image-based rendering: depth is drawn into the virtual view (z-buffer, sub-pixel), colour fetched back,\n"
       "sources blended by nearness where they agree, holes filled from the background.\n"
       "Examples:\n"
       "  depthfarm synthesize array.json depth -o view2 --view cam2\n"
       "  depthfarm synthesize array.json depth -o sweep --path cam0,cam3,cam7 --steps 100 --frames 0:1\n"
-      "  depthfarm synthesize array.json depth -o sweep.mp4 --path cam0,cam7 --fps 30");
-  command->callback([options, action] {
-    *action = [options] {
+      "  depthfarm synthesize array.json depth -o sweep.mp4 --path cam0,cam7 --fps 30\n"
+      "  depthfarm synthesize array.json depth -o /shared/sweep --path cam0,cam7 --submit --coordinator "
+      "tcp://head:7700");
+  command->callback([options, submit, command, action] {
+    *action = [options, submit, command]() -> Outcome {
       CatchInterruptions();
       options->interrupted = [] { return interrupted != 0; };
+      if (submit->submit) {
+        UseEnvironment(*command, "--coordinator", "DEPTHFARM_COORDINATOR", submit->farm.coordinator);
+        UseEnvironment(*command, "--keys", "DEPTHFARM_KEYS", submit->farm.keys);
+        return SubmitViews(*options, *submit);
+      }
       if (isatty(STDERR_FILENO) != 0) options->progress = &std::cerr;
       return depthfarm::RunSynthesize(*options, std::cout);
     };
@@ -244,7 +317,8 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", DEPTHFARM_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 ok, 1 failed, 2 bad usage or bad input, 130 interrupted. 'depthfarm-media COMMAND --help' tells "
+      "Exit codes: 0 ok, 1 failed, 2 bad usage or bad input, 3 no coordinator, 130 interrupted. 'depthfarm-media "
+      "COMMAND --help' tells "
       "more.");
   Action action;
   for (const Command& command : kCommands) command.add(app.add_subcommand(command.name, command.summary), &action);
@@ -253,10 +327,12 @@ int Run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitOk : kExitBadUsage;
   }
-  const Status status = action();
+  const Outcome outcome = action();
+  const Status& status = outcome.status;
   if (status.ok()) return kExitOk;
   if (status.code() == depthfarm::ErrorCode::kCancelled) return kExitInterrupted;
   std::cerr << "depthfarm-media: " << status.message() << "\n";
+  if (outcome.no_coordinator) return kExitNoCoordinator;
   return status.code() == depthfarm::ErrorCode::kInvalidArgument ? kExitBadUsage : kExitFailed;
 }
 

@@ -3,79 +3,20 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <ostream>
 #include <span>
 #include <string>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include "common/base/parallel.h"
-#include "common/synthesis/synthesize_view.h"
 #include "worker/media_cli/picture_sink.h"
-#include "worker/media_cli/sequence_with_depth.h"
 #include "worker/media_cli/virtual_views.h"
+#include "worker/rendering/source_views.h"
 
 namespace depthfarm {
 namespace {
-
-struct Source {
-  YcbcrImage picture;
-  DepthMap depth;
-};
-using SourceKey = std::pair<int, int>;  // view, frame
-
-// What the pictures in work are made from.
-class Sources {
- public:
-  explicit Sources(const SequenceWithDepth& input) : input_(input) {}
-
-  // Reads what `views` need and forgets what they do not.
-  [[nodiscard]] Status Load(std::span<const VirtualView> views, int threads) {
-    std::map<SourceKey, std::shared_ptr<const Source>> needed;
-    for (const VirtualView& view : views) {
-      for (const int source : view.sources) {
-        const auto old = loaded_.find({source, view.frame});
-        needed[{source, view.frame}] = old == loaded_.end() ? nullptr : old->second;
-      }
-    }
-    loaded_ = std::move(needed);
-    std::vector<SourceKey> missing;
-    for (const auto& [key, source] : loaded_)
-      if (source == nullptr) missing.push_back(key);
-    std::vector<Status> failures(missing.size());
-    std::vector<std::shared_ptr<const Source>> read(missing.size());
-    ParallelFor(missing.size(), threads, [&](std::size_t i) { failures[i] = Read(missing[i], read[i]); });
-    for (std::size_t i = 0; i < missing.size(); ++i) {
-      DEPTHFARM_RETURN_IF_ERROR(failures[i]);
-      loaded_[missing[i]] = read[i];
-    }
-    return {};
-  }
-
-  [[nodiscard]] std::vector<SourceView> Of(const VirtualView& view) const {
-    std::vector<SourceView> sources;
-    for (const int source : view.sources) {
-      const Source& loaded = *loaded_.at({source, view.frame});
-      sources.push_back({&loaded.picture, &loaded.depth, input_.views[static_cast<std::size_t>(source)].camera});
-    }
-    return sources;
-  }
-
- private:
-  [[nodiscard]] Status Read(const SourceKey& key, std::shared_ptr<const Source>& result) const {
-    auto source = std::make_shared<Source>();
-    DEPTHFARM_ASSIGN_OR_RETURN(source->picture, ReadPictureOf(input_, key.first, key.second));
-    DEPTHFARM_ASSIGN_OR_RETURN(source->depth, ReadDepthOf(input_, key.first, key.second));
-    result = std::move(source);
-    return {};
-  }
-
-  const SequenceWithDepth& input_;
-  std::map<SourceKey, std::shared_ptr<const Source>> loaded_;
-};
 
 // A line that is overwritten by the next state and erased at the end, whatever the end: an error begins its own line.
 class ProgressLine {
@@ -109,8 +50,8 @@ std::size_t PicturesIn(const std::string& folder) {
   return count;
 }
 
-Result<std::string> Rendered(const VirtualView& view, const Sources& sources, const PictureSink& sink) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView result, SynthesizeView(sources.Of(view), view.camera));
+Result<std::string> Rendered(const VirtualView& view, const SourceViews& sources, const PictureSink& sink) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView result, sources.Render(view));
   return sink.Encode(result.picture);
 }
 
@@ -133,7 +74,7 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
   DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<PictureSink> sink,
                              OpenPictureSink(options.output, {first.width, first.height, options.frames_per_second}));
 
-  Sources sources(input);
+  SourceViews sources(input);
   ProgressLine progress(options.progress);
   const std::span<const VirtualView> all(views);
   for (std::size_t begin = 0; begin < all.size(); begin += static_cast<std::size_t>(threads)) {

@@ -221,6 +221,44 @@ TEST(JobConfigWire, EveryFieldComesBack) {
   }
 }
 
+JobConfig RenderingConfig() {
+  JobConfig config;
+  config.job = JobId(9);
+  config.output_dir = "/out";
+  config.sequence_name = "line";
+  config.sequence_file = "/in/line.json";
+  config.render = RenderSource{"/depth", {1, 2, 3}};
+  config.resolved = PartsOnly(7);
+  return config;
+}
+
+TEST(JobConfigWire, ARenderingJobComesBack) {
+  const JobConfig sent = RenderingConfig();
+  const Result<JobConfig> got = FromProto(ToProto(sent));
+  ASSERT_TRUE(got.ok()) << got.status().message();
+  EXPECT_EQ(got->render, sent.render);
+  EXPECT_EQ(got->sequence_file, sent.sequence_file);
+  EXPECT_EQ(got->resolved.params, sent.resolved.params);
+  EXPECT_EQ(got->resolved.num_frames, 7);
+}
+
+TEST(JobConfigWire, HostileRenderingJobsAreRefused) {
+  using Damage = std::function<void(v1::JobConfig&)>;
+  const std::vector<std::pair<const char*, Damage>> damages = {
+      {"relative depth", [](v1::JobConfig& c) { c.mutable_render()->set_depth_dir("depth"); }},
+      {"no digest", [](v1::JobConfig& c) { c.mutable_render()->clear_manifest_sha256(); }},
+      {"no parts", [](v1::JobConfig& c) { c.set_num_frames(0); }},
+      {"too many parts", [](v1::JobConfig& c) { c.set_num_frames(4'000'000'000U); }},
+      {"relative sequence", [](v1::JobConfig& c) { c.set_sequence_file("line.json"); }},
+      {"relative output", [](v1::JobConfig& c) { c.set_output_dir("out"); }},
+  };
+  for (const auto& [name, damage] : damages) {
+    v1::JobConfig proto = ToProto(RenderingConfig());
+    damage(proto);
+    EXPECT_EQ(FromProto(proto).status().code(), ErrorCode::kInvalidArgument) << name;
+  }
+}
+
 TEST(JobConfigWire, HostileValuesAreRefused) {
   using Damage = std::function<void(v1::JobConfig&)>;
   const std::vector<std::pair<const char*, Damage>> damages = {

@@ -33,6 +33,22 @@ TaskSpec CommitSpec() {
   return spec;
 }
 
+TaskSpec RenderSpec() {
+  TaskSpec spec;
+  spec.id = {JobId(3), 12, TaskKind::kRender, 0, 0};
+  spec.staging = "f12-a2-l345";
+  for (int i = 0; i < 2; ++i) {
+    VirtualPicture view{{}, 5, {"cam0", "cam1"}, 96 + i};
+    view.camera.name = "virtual";
+    view.camera.width = 64;
+    view.camera.height = 48;
+    view.camera.intrinsics << 60, 0, 31.5, 0, 60, 23.5, 0, 0, 1;
+    view.camera.cam_from_world_translation << 0.5, 0, i;
+    spec.views.push_back(view);
+  }
+  return spec;
+}
+
 TEST(TaskSpecWire, EveryFieldComesBack) {
   TaskSpec analyse;
   analyse.id = {JobId(3), 12, TaskKind::kAnalyse, 4, 0};
@@ -41,7 +57,7 @@ TEST(TaskSpecWire, EveryFieldComesBack) {
   manifest.id = {JobId(3), 0, TaskKind::kManifest, 0, 0};
   manifest.files = CommitSpec().files;
   manifest.picture_digests = {Digest(8), Digest(9)};
-  for (const TaskSpec& sent : {MergeSpec(), CommitSpec(), analyse, manifest}) {
+  for (const TaskSpec& sent : {MergeSpec(), CommitSpec(), RenderSpec(), analyse, manifest}) {
     const Result<TaskSpec> got = FromProto(ToProto(sent));
     ASSERT_TRUE(got.ok()) << got.status().message();
     EXPECT_EQ(*got, sent);
@@ -67,6 +83,12 @@ TEST(TaskSpecWire, HostileValuesAreRefused) {
     return FromProto(proto).status().code() == ErrorCode::kInvalidArgument;
   };
   EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_id()->clear_kind(); }));
+  EXPECT_TRUE(refused(RenderSpec(), [](auto& s) { s.clear_staging(); }));
+  EXPECT_TRUE(refused(RenderSpec(), [](auto& s) { s.mutable_views(0)->clear_sources(); }));
+  EXPECT_TRUE(refused(RenderSpec(), [](auto& s) { s.mutable_views(0)->add_sources("../x"); }));
+  EXPECT_TRUE(refused(RenderSpec(), [](auto& s) { s.mutable_views(0)->set_number(97); }));  // another view's
+  EXPECT_TRUE(refused(RenderSpec(), [](auto& s) { s.mutable_views(1)->set_frame(4'000'000'000U); }));
+  EXPECT_TRUE(refused(RenderSpec(), [](auto& s) { s.mutable_views(1)->mutable_camera()->set_width(0); }));
   EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_id()->set_frame(4'000'000'000U); }));
   EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.mutable_id()->set_pair(70'000); }));
   EXPECT_TRUE(refused(MergeSpec(), [](auto& s) { s.clear_output_key(); }));

@@ -80,7 +80,8 @@ std::unique_ptr<Client> ClientOf(const FakeCoordinator& coordinator, ClientCallO
   return client.ok() ? std::move(client).value() : nullptr;
 }
 
-TEST(Client, SubmitsWhatItIsGivenAndReturnsTheJobId) {
+// What a coordinator that accepts every job receives.
+v1::SubmitJob Submitted(const JobSubmission& submission) {
   std::promise<v1::SubmitJob> question_received;
   const FakeCoordinator coordinator([&](const v1::Envelope& question) {
     question_received.set_value(question.submit_job());
@@ -88,21 +89,40 @@ TEST(Client, SubmitsWhatItIsGivenAndReturnsTheJobId) {
     answer.mutable_job_accepted()->set_job_id(42);
     return Answers{answer};
   });
+  const Result<std::uint64_t> job_id = ClientOf(coordinator)->Submit(submission);
+  EXPECT_TRUE(job_id.ok()) << job_id.status().message();
+  if (!job_id.ok()) return {};
+  EXPECT_EQ(*job_id, 42U);
+  return question_received.get_future().get();
+}
+
+TEST(Client, SubmitsWhatItIsGivenAndReturnsTheJobId) {
   JobSubmission submission;
   submission.sequence.name = "ballet";
   submission.params.levels = 64;
   submission.output_dir = "/out";
   submission.name = "mine";
   submission.priority = -2;
-  const Result<std::uint64_t> job_id = ClientOf(coordinator)->Submit(submission);
-  ASSERT_TRUE(job_id.ok()) << job_id.status().message();
-  EXPECT_EQ(*job_id, 42U);
-  const v1::SubmitJob received = question_received.get_future().get();
+  const v1::SubmitJob received = Submitted(submission);
   EXPECT_EQ(received.sequence().name(), "ballet");
   EXPECT_EQ(received.params().levels(), 64U);
   EXPECT_EQ(received.output_dir(), "/out");
   EXPECT_EQ(received.name(), "mine");
   EXPECT_EQ(received.priority(), -2);
+}
+
+TEST(Client, SubmitsViewsToRender) {
+  JobSubmission submission;
+  submission.sequence.file = "/in/ballet.json";
+  submission.sequence.cameras.resize(3);
+  submission.render = RenderSubmission{{"/depth", {}}, {VirtualPicture{{}, 4, {"cam0"}, 7}}};
+  const v1::SubmitJob received = Submitted(submission);
+  EXPECT_EQ(received.sequence().file(), "/in/ballet.json");
+  EXPECT_EQ(received.sequence().cameras_size(), 0);  // the workers read them
+  EXPECT_FALSE(received.has_params());
+  EXPECT_EQ(received.render().source().depth_dir(), "/depth");
+  ASSERT_EQ(received.render().views_size(), 1);
+  EXPECT_EQ(received.render().views(0).number(), 7U);
 }
 
 TEST(Client, SkipsAnswersToOtherQuestions) {

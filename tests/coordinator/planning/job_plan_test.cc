@@ -143,8 +143,22 @@ TEST(JobPlan, OutputIsNumberedByTheSequence) {
   PlannedJob job = MakePlannedJob({});
   job.config.resolved.params.first_frame = 9998;
   const JobPlan plan(job);
-  EXPECT_EQ(plan.OutputPath(1, 1), "cam1/9999.png");
-  EXPECT_EQ(plan.OutputPath(2, 0), "cam0/10000.png");
+  EXPECT_THAT(plan.OutputPaths(1), testing::ElementsAre("cam0/9999.png", "cam1/9999.png"));
+  EXPECT_THAT(plan.OutputPaths(2), testing::ElementsAre("cam0/10000.png", "cam1/10000.png"));
+}
+
+TEST(JobPlan, ARenderingJobIsPartsOfEightViews) {
+  const JobPlan plan(MakeRenderingJob(1, 17));
+  EXPECT_EQ(plan.num_gops(), 3);
+  EXPECT_THAT(plan.TasksOfGop(2), testing::ElementsAre(Id(TaskKind::kRender, 2), Id(TaskKind::kCommit, 2)));
+  EXPECT_THAT(plan.Prerequisites(Id(TaskKind::kRender, 2)), testing::ElementsAre(plan.OfJob(TaskKind::kPrepare)));
+  EXPECT_THAT(plan.Prerequisites(Id(TaskKind::kCommit, 2)), testing::ElementsAre(Id(TaskKind::kRender, 2)));
+  EXPECT_EQ(plan.ViewsOf(1).front().number, 8);
+  EXPECT_EQ(plan.ViewsOf(1).size(), 8U);
+  EXPECT_THAT(plan.OutputPaths(2), testing::ElementsAre("views/0016.png"));
+  std::uint64_t total = 0;
+  for (int kind = 0; kind < kNumTaskKinds; ++kind) total += plan.Total(static_cast<TaskKind>(kind));
+  EXPECT_EQ(total, 3U + 3U + 2U);  // Render, Commit; Prepare, Manifest
 }
 
 TEST(JobPlan, AJobTooLongForItsManifestIsRefused) {

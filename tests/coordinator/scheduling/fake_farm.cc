@@ -88,6 +88,12 @@ TaskFinished FakeFarm::ResultOf(FakeWorker& worker, const Grant& grant) {
       result.files.push_back({"cam" + std::to_string(input.view) + "/" + number + ".png", Sha256(spec.staging), 5});
     }
   }
+  if (spec.id.kind == TaskKind::kRender) {
+    EXPECT_TRUE(emitted.emplace(spec.id.job, spec.staging).second) << "two attempts share " << spec.staging;
+    for (const VirtualPicture& view : spec.views) {
+      result.files.push_back({ViewFileName(view.number), Sha256(spec.staging), 5});
+    }
+  }
   if (spec.id.kind == TaskKind::kCommit) {
     EXPECT_TRUE(emitted.contains({spec.id.job, spec.staging})) << spec.staging;
     EXPECT_EQ(spec.files.at(0).sha256, Sha256(spec.staging));

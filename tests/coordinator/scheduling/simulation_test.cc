@@ -32,6 +32,10 @@ class Chaos {
   }
 
   void Submit() {
+    if (Below(4) == 0) {
+      farm_.Submit(MakeRenderingJob(static_cast<std::uint64_t>(++submitted_), 1 + Below(40)), Below(2));
+      return;
+    }
     farm_.Submit(MakePlannedJob({.id = static_cast<std::uint64_t>(++submitted_),
                                  .frames = 1 + Below(6),
                                  .gop = 1 + Below(4),

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/wire/render_wire.h"
+#include "tests/coordinator/planned_job.h"
 #include "tests/coordinator/service/fake_peers.h"
 #include "tests/coordinator/service/small_sequence.h"
 
@@ -23,6 +25,36 @@ TEST(Submission, PicturesAreThoseOfTheJobsFramesAndViews) {
   EXPECT_EQ(job->config.resolved.views[0].camera.name, "cam1");
   EXPECT_EQ(job->pictures[0], (std::vector<std::string>{"/in/cam1/2.png", "/in/cam1/3.png", "/in/cam1/4.png"}));
   EXPECT_EQ(job->config.job, JobId(5));
+}
+
+v1::SubmitJob RenderRequest(int views) {
+  v1::SubmitJob request;
+  request.set_output_dir("/out");
+  request.mutable_sequence()->set_name("line");
+  request.mutable_sequence()->set_file("/in/line.json");
+  *request.mutable_render()->mutable_source() = ToProto(RenderSource{"/depth", {}});
+  for (const VirtualPicture& view : MakeViews(views)) *request.mutable_render()->add_views() = ToProto(view);
+  return request;
+}
+
+TEST(Submission, ARenderingJobHasItsViewsInParts) {
+  const Result<PlannedJob> job = PlanSubmission(RenderRequest(9), JobId(5));
+  ASSERT_TRUE(job.ok()) << job.status().message();
+  EXPECT_EQ(job->config.job, JobId(5));
+  EXPECT_EQ(job->config.resolved.num_frames, 2);
+  EXPECT_EQ(job->config.sequence_file, "/in/line.json");
+  EXPECT_EQ(job->views, MakeViews(9));
+  EXPECT_EQ(Summary(*job), "9 virtual views, 16x16");
+}
+
+TEST(Submission, RenderingJobsOfNothingOrNowhereAreRefused) {
+  EXPECT_EQ(PlanSubmission(RenderRequest(0), JobId(5)).status().code(), ErrorCode::kInvalidArgument);
+  v1::SubmitJob request = RenderRequest(2);
+  request.mutable_sequence()->set_file("line.json");
+  EXPECT_EQ(PlanSubmission(request, JobId(5)).status().code(), ErrorCode::kInvalidArgument);
+  request = RenderRequest(2);
+  request.mutable_render()->mutable_source()->set_depth_dir("");
+  EXPECT_EQ(PlanSubmission(request, JobId(5)).status().code(), ErrorCode::kInvalidArgument);
 }
 
 TEST(Submission, OutputFoldersHaveOneSpelling) {

@@ -118,11 +118,37 @@ TEST_F(OutputFolderTest, TakesOverTheFolderOfAJobThatFailed) {
 
 TEST_F(OutputFolderTest, AnAttemptThatOutlivesItsJobWritesNothing) {
   ASSERT_TRUE(folder_.Prepare().ok());
-  ASSERT_TRUE(folder_.Finish({.sequence = "s", .algorithm_version = 1, .parameters = {}, .cameras = {}}).ok());
+  ASSERT_TRUE(folder_.Finish("{}\n").ok());
   EXPECT_TRUE(fs::exists(dir_ / "depth.json"));
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-job"));
   EXPECT_EQ(folder_.Stage("late", "a/0.png", "old").code(), ErrorCode::kUnavailable);
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
+}
+
+TEST_F(OutputFolderTest, ViewsHaveTheirOwnFolderAndLeaveDepthAlone) {
+  Write(dir_ / "depth.json", "{}");
+  Write(dir_ / "depth/a/0.png", "depth");
+  Write(dir_ / "views.json", "{}");
+  Write(dir_ / "views/0000.png", "old");
+  const OutputFolder views = OutputFolder::At(dir_.string(), OutputContent::kViews).value();
+  ASSERT_TRUE(views.Prepare().ok());
+  EXPECT_FALSE(fs::exists(dir_ / "views"));
+  ASSERT_TRUE(views.Stage("p0", "views/0000.png", "new").ok());
+  EXPECT_EQ(views.Stage("p0", "depth/0000.png", "new").code(), ErrorCode::kInvalidArgument);
+  ASSERT_TRUE(views.Commit("p0", {FileOf("views/0000.png", "new")}).ok());
+  ASSERT_TRUE(views.Finish("{\"views\": []}\n").ok());
+  EXPECT_EQ(Content("views/0000.png"), "new");
+  EXPECT_EQ(Content("views.json"), "{\"views\": []}\n");
+  EXPECT_EQ(Content("depth/a/0.png"), "depth");
+  EXPECT_EQ(Content("depth.json"), "{}");
+}
+
+TEST_F(OutputFolderTest, ForeignViewsAreNotRemoved) {
+  Write(dir_ / "views/0000.png", "mine");
+  const Status prepared = OutputFolder::At(dir_.string(), OutputContent::kViews).value().Prepare();
+  EXPECT_EQ(prepared.code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(prepared.message(), HasSubstr("no views.json beside it"));
+  EXPECT_EQ(Content("views/0000.png"), "mine");
 }
 
 TEST_F(OutputFolderTest, SaysWhichPathItCannotWrite) {

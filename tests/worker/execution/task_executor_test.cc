@@ -218,6 +218,23 @@ TEST(TaskExecutor, RefusesTasksThatDoNotFitTheJob) {
   EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
 }
 
+TEST(TaskExecutor, EstimatesOrRendersAsTheJobSays) {
+  SmallJob job;
+  TestWorker worker;
+  TaskSpec render;
+  render.id = {job.config.job, 0, TaskKind::kRender, 0, 0};
+  render.staging = "part-0";
+  const Status not_rendering = worker.Execute(render, job.config).status;
+  EXPECT_EQ(not_rendering.code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(not_rendering.message(), HasSubstr("the job estimates depth"));
+  job.config.render = RenderSource{"/nowhere", {}};
+  job.config.resolved = PartsOnly(1);
+  const Status not_estimating = worker.Execute(job.Analyse(0, 0), job.config).status;
+  EXPECT_EQ(not_estimating.code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(not_estimating.message(), HasSubstr("the job renders views"));
+  EXPECT_THAT(worker.Execute(render, job.config).status.message(), HasSubstr("/nowhere"));
+}
+
 TEST(TaskExecutor, RefusesRefinementsThatDoNotFitTheJob) {
   SmallJob job;
   TestWorker worker;

@@ -1,4 +1,4 @@
-#include "worker/media_cli/sequence_with_depth.h"
+#include "worker/rendering/sequence_with_depth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -227,7 +227,7 @@ Result<int> FindView(const SequenceWithDepth& input, const std::string& name) {
 
 std::vector<int> SidesOf(const SequenceWithDepth& input, int target) {
   const Candidates candidates(input, input.views[static_cast<std::size_t>(target)].camera, target);
-  const std::vector<int> chosen = candidates.Choose(2);
+  std::vector<int> chosen = candidates.Choose(2);
   if (chosen.size() != 2) return {};
   const Eigen::Vector3d first = candidates.Baseline(chosen[0]);
   const Eigen::Vector3d second = candidates.Baseline(chosen[1]);
