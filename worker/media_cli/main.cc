@@ -244,10 +244,8 @@ void AddSynthesize(CLI::App* command, Action* action) {
       ->capture_default_str()
       ->type_name("N");
   auto submit = std::make_shared<SubmitOptions>();
-  command->add_flag(
-      "--submit", submit->submit,
-      "Hand the pictures to a farm, which writes DIR/views/NUMBER.png and DIR/views.json; prints the job's "
-      "number for depthfarm watch. DEPTHFARM_COORDINATOR and DEPTHFARM_KEYS count as options");
+  command->add_flag("--submit", submit->submit,
+                    "Let a farm make them: DIR/views/NUMBER.png, DIR/views.json; prints the job's number");
   for (const char* local : {"--threads", "--fps"}) {
     command->get_option("--submit")->excludes(command->get_option(local));
   }
@@ -268,6 +266,9 @@ void AddSynthesize(CLI::App* command, Action* action) {
   command->footer(
       "Depth-image-based rendering: depth is drawn into the virtual view (z-buffer, sub-pixel), colour fetched back,\n"
       "sources blended by nearness where they agree, holes filled from the background.\n"
+      "With --submit, DEPTHFARM_COORDINATOR and DEPTHFARM_KEYS stand for --coordinator and --keys; follow\n"
+      "the job with depthfarm watch. SEQUENCE, DEPTH_DIR and DIR are paths that every worker must see under the same "
+      "name.\n"
       "Examples:\n"
       "  depthfarm synthesize array.json depth -o view2 --view cam2\n"
       "  depthfarm synthesize array.json depth -o sweep --path cam0,cam3,cam7 --steps 100 --frames 0:1\n"
