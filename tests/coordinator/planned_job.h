@@ -21,7 +21,10 @@ struct JobShape {
 inline std::vector<VirtualPicture> MakeViews(int count, int first = 0) {
   std::vector<VirtualPicture> views;
   for (int i = 0; i < count; ++i) {
-    VirtualPicture view{{}, i, {"cam0", "cam1"}, first + i};
+    VirtualPicture view;
+    view.frame = i;
+    view.sources = {"cam0", "cam1"};
+    view.number = first + i;
     view.camera.name = "virtual";
     view.camera.width = view.camera.height = 16;
     view.camera.intrinsics << 20, 0, 7.5, 0, 20, 7.5, 0, 0, 1;

@@ -38,7 +38,10 @@ TaskSpec RenderSpec() {
   spec.id = {JobId(3), 12, TaskKind::kRender, 0, 0};
   spec.staging = "f12-a2-l345";
   for (int i = 0; i < 2; ++i) {
-    VirtualPicture view{{}, 5, {"cam0", "cam1"}, 96 + i};
+    VirtualPicture view;
+    view.frame = 5;
+    view.sources = {"cam0", "cam1"};
+    view.number = 96 + i;
     view.camera.name = "virtual";
     view.camera.width = 64;
     view.camera.height = 48;

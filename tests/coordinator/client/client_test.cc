@@ -115,7 +115,12 @@ TEST(Client, SubmitsViewsToRender) {
   JobSubmission submission;
   submission.sequence.file = "/in/ballet.json";
   submission.sequence.cameras.resize(3);
-  submission.render = RenderSubmission{{"/depth", {}}, {VirtualPicture{{}, 4, {"cam0"}, 7}}};
+  VirtualPicture view;
+  view.sources = {"cam0"};
+  view.number = 7;
+  submission.render.emplace();
+  submission.render->source.depth_dir = "/depth";
+  submission.render->views = {view};
   const v1::SubmitJob received = Submitted(submission);
   EXPECT_EQ(received.sequence().file(), "/in/ballet.json");
   EXPECT_EQ(received.sequence().cameras_size(), 0);  // the workers read them

@@ -15,7 +15,10 @@ JobConfig Config() {
 }
 
 VirtualPicture View(int number) {
-  VirtualPicture view{{}, 3, {"cam0", "cam1"}, number};
+  VirtualPicture view;
+  view.frame = 3;
+  view.sources = {"cam0", "cam1"};
+  view.number = number;
   view.camera.name = "between";
   view.camera.width = 64;
   view.camera.height = 48;
