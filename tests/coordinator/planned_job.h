@@ -17,14 +17,14 @@ struct JobShape {
   int refine = 0;
 };
 
-// `count` views, numbered from `first`, of a camera as small as can be.
-inline std::vector<VirtualPicture> MakeViews(int count, int first = 0) {
+// `count` views of a camera as small as can be.
+inline std::vector<VirtualPicture> MakeViews(int count) {
   std::vector<VirtualPicture> views;
   for (int i = 0; i < count; ++i) {
     VirtualPicture view;
     view.frame = i;
     view.sources = {"cam0", "cam1"};
-    view.number = first + i;
+    view.number = i;
     view.camera.name = "virtual";
     view.camera.width = view.camera.height = 16;
     view.camera.intrinsics << 20, 0, 7.5, 0, 20, 7.5, 0, 0, 1;
