@@ -111,7 +111,8 @@ Words Leftovers(const fs::path& output_dir) {
   for (const auto& entry : fs::recursive_directory_iterator(output_dir, error)) {
     const std::string name = fs::relative(entry.path(), output_dir).string();
     const bool whole = entry.path().extension() == ".png" || entry.is_directory();
-    const bool ours = name == "depth.json" || name == "views.json" || name == "run.json" || name == ".depthfarm-job";
+    const bool ours = name == "depth.json" || name == "views.json" || name == "run.json" || name == ".depthfarm-job" ||
+                      name == ".depthfarm-views-job";
     if ((!whole && !ours) || name.starts_with(".depthfarm-staging")) names.push_back(name);
   }
   return names;

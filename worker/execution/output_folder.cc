@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMarker = ".depthfarm-job";
+constexpr const char* kDepthMarker = ".depthfarm-job";
+constexpr const char* kViewsMarker = ".depthfarm-views-job";
 constexpr const char* kStaging = ".depthfarm-staging";
 constexpr const char* kDepth = "depth";
 constexpr const char* kViews = "views";
@@ -59,6 +60,11 @@ fs::path OutputFolder::Manifest() const {
   return dir_ / (content_ == OutputContent::kDepth ? kDepthManifestName : kViewsManifestName);
 }
 
+// Of its own for each content: a job that was cancelled says nothing of what else is in the folder.
+fs::path OutputFolder::Marker() const {
+  return dir_ / (content_ == OutputContent::kDepth ? kDepthMarker : kViewsMarker);
+}
+
 fs::path OutputFolder::Files() const { return dir_ / (content_ == OutputContent::kDepth ? kDepth : kViews); }
 
 fs::path OutputFolder::Target(const OutputFile& file) const {
@@ -79,14 +85,13 @@ Status OutputFolder::CheckOutputPath(const std::string& path) const {
 
 Status OutputFolder::Prepare() const {
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(dir_.string()));
-  const bool ours = Exists(Manifest()) || Exists(dir_ / kMarker);
+  const bool ours = Exists(Manifest()) || Exists(Marker());
   if (Exists(Files()) && !ours) {
     return InvalidArgument(Files().string() + ": exists and was not made by depthfarm (no " +
                            Manifest().filename().string() + " beside it): choose another folder");
   }
   // The marker first: a worker that dies below leaves a folder that is still known to be ours.
-  DEPTHFARM_RETURN_IF_ERROR(
-      WriteFileAtomically((dir_ / kMarker).string(), "a depthfarm job writes into this folder\n"));
+  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically((Marker()).string(), "a depthfarm job writes into this folder\n"));
   DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Manifest()));
   DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Files()));
   return RemoveStaging();
@@ -101,7 +106,8 @@ Status OutputFolder::Stage(const std::string& staging, const std::string& path, 
   DEPTHFARM_RETURN_IF_ERROR(CheckOutputPath(path));
   DEPTHFARM_ASSIGN_OR_RETURN(const fs::path folder, StagingOf(staging));
   // An attempt that outlives its job must not make folders in what is a finished result.
-  if (!Exists(dir_ / kMarker)) return Unavailable(dir_.string() + ": belongs to no job (" + kMarker + " is missing)");
+  if (!Exists(Marker()))
+    return Unavailable(dir_.string() + ": belongs to no job (" + Marker().filename().string() + " is missing)");
   const fs::path file = folder / path;
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(file.parent_path().string()));
   return WriteFileAtomically(file.string(), bytes);
@@ -134,7 +140,7 @@ Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file)
 Status OutputFolder::Finish(std::string_view manifest) const {
   DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(Manifest().string(), manifest));
   DEPTHFARM_RETURN_IF_ERROR(RemoveStaging());
-  return RemoveAll(dir_ / kMarker);
+  return RemoveAll(Marker());
 }
 
 Status OutputFolder::RemoveStaging() const { return RemoveAll(dir_ / kStaging); }

@@ -19,7 +19,7 @@ enum class OutputContent {
 
 // The folder of a job's result, DIR, and the only code that writes into it:
 //
-//   DIR/.depthfarm-job              marker: a job owns the folder
+//   DIR/.depthfarm-job              marker: a job owns the folder (DIR/.depthfarm-views-job)
 //   DIR/.depthfarm-staging/<name>/  files of one attempt of Emit or Render
 //   DIR/depth/<camera>/<frame>.png  committed files; DIR/views/<number>.png
 //   DIR/depth.json, DIR/views.json  last of all
@@ -48,6 +48,7 @@ class OutputFolder {
  private:
   OutputFolder(std::filesystem::path dir, OutputContent content) : dir_(std::move(dir)), content_(content) {}
   [[nodiscard]] std::filesystem::path Manifest() const;
+  [[nodiscard]] std::filesystem::path Marker() const;
   [[nodiscard]] std::filesystem::path Files() const;  // DIR/depth, DIR/views
   [[nodiscard]] std::filesystem::path Target(const OutputFile& file) const;
   [[nodiscard]] Status CheckOutputPath(const std::string& path) const;

@@ -1,5 +1,5 @@
 // depthfarm-media: the commands that touch pixels. One table of commands, each parsing its options and calling a
-// library; the only translation unit that sees CLI11.
+// library.
 
 #include <malloc.h>
 #include <unistd.h>

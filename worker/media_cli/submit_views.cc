@@ -29,7 +29,7 @@ Status CheckOutput(const std::string& output) {
   if (fs::exists(folder, ignored) && !fs::is_directory(folder, ignored)) {
     return InvalidArgument("output folder " + output + " is a file");
   }
-  const bool ours = fs::exists(folder / "views.json", ignored) || fs::exists(folder / ".depthfarm-job", ignored);
+  const bool ours = fs::exists(folder / "views.json", ignored) || fs::exists(folder / ".depthfarm-views-job", ignored);
   if (fs::exists(folder / "views", ignored) && !ours) {
     return InvalidArgument("output folder " + output +
                            " has a 'views' that no job of depthfarm made; choose another folder or remove it");

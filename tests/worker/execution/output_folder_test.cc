@@ -143,6 +143,16 @@ TEST_F(OutputFolderTest, ViewsHaveTheirOwnFolderAndLeaveDepthAlone) {
   EXPECT_EQ(Content("depth.json"), "{}");
 }
 
+TEST_F(OutputFolderTest, AViewsJobThatWasCancelledDoesNotMakeForeignDepthOurs) {
+  Write(dir_ / "depth/mine.png", "mine");
+  const OutputFolder views = OutputFolder::At(dir_.string(), OutputContent::kViews).value();
+  ASSERT_TRUE(views.Prepare().ok());
+  ASSERT_TRUE(views.RemoveStaging().ok());
+  EXPECT_EQ(folder_.Prepare().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(Content("depth/mine.png"), "mine");
+  EXPECT_TRUE(views.Prepare().ok());
+}
+
 TEST_F(OutputFolderTest, ForeignViewsAreNotRemoved) {
   Write(dir_ / "views/0000.png", "mine");
   const Status prepared = OutputFolder::At(dir_.string(), OutputContent::kViews).value().Prepare();
