@@ -54,6 +54,15 @@ class LevelsInView {
   [[nodiscard]] double InverseDepth(double x, double y, double depth_in_ref) const {
     return (slope_x_ * x + slope_y_ * y + slope_1_) / (depth_in_ref - center_depth_);
   }
+  // The same by the plane's inverse depth, which may be 0 or negative: planes beyond infinity continue the ray's image in
+  // other views. For planes with PlaneInFront only.
+  [[nodiscard]] double InverseDepthOnPlane(double x, double y, double inverse_depth_in_ref) const {
+    return (slope_x_ * x + slope_y_ * y + slope_1_) * inverse_depth_in_ref /
+           (1.0 - inverse_depth_in_ref * center_depth_);
+  }
+  [[nodiscard]] bool PlaneInFront(double inverse_depth_in_ref) const {
+    return inverse_depth_in_ref * center_depth_ < 1.0;
+  }
   // depth_in_ref - center_depth: > 0 where the view's centre is in front of the plane.
   [[nodiscard]] double center_depth() const { return center_depth_; }
   // Depth in the reference camera of the point at own depth z on the ray of (x, y).

@@ -29,6 +29,8 @@ Status EstimationParams::Validate() const {
   }
   if (!(matching_offset > 0) || matching_offset > 765)
     return OutOfRange("matching-offset", matching_offset, "> 0, at most 765");
+  if (uniqueness < 0 || uniqueness > 99)
+    return OutOfRange("uniqueness", uniqueness, "1 to 99 %, or 0: every match in full");
   if (!(snic_compactness > 0) || snic_compactness > 1000) {
     return OutOfRange("snic-compactness", snic_compactness, "> 0, at most 1000");
   }
@@ -61,6 +63,7 @@ Result<EstimationParams> Preset(const std::string& name) {
     params.levels = 250;
     params.level_blocks = 1;
     params.max_sweeps = 0;
+    params.uniqueness = 0;
     params.refine_rounds = 0;
     return params;
   }

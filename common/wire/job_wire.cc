@@ -123,6 +123,7 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
   proto.set_smoothing(params.smoothing);
   proto.set_matching_window(static_cast<std::uint32_t>(params.matching_window));
   proto.set_matching_offset(params.matching_offset);
+  proto.set_uniqueness(static_cast<std::uint32_t>(params.uniqueness));
   proto.set_snic_compactness(params.snic_compactness);
   proto.set_gop(static_cast<std::uint32_t>(params.gop));
   proto.set_p_threshold(static_cast<std::uint32_t>(params.p_threshold));
@@ -153,6 +154,7 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
   params.smoothing = proto.smoothing();
   DEPTHFARM_RETURN_IF_ERROR(read("matching-window", proto.matching_window(), params.matching_window));
   params.matching_offset = proto.matching_offset();
+  DEPTHFARM_RETURN_IF_ERROR(read("uniqueness", proto.uniqueness(), params.uniqueness));
   params.snic_compactness = proto.snic_compactness();
   DEPTHFARM_RETURN_IF_ERROR(read("gop", proto.gop(), params.gop));
   DEPTHFARM_RETURN_IF_ERROR(read("p-threshold", proto.p_threshold(), params.p_threshold));

@@ -108,6 +108,11 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseReal("matching-offset", text, params.matching_offset);
      }},
+    {"uniqueness", "P",
+     "A match is rewarded by how much it beats P % of the levels, 0 to 99; 0: in full, as the paper; default 75",
+     [](std::string_view text, EstimationParams& params) {
+       return ParseInteger("uniqueness", text, params.uniqueness);
+     }},
     {"snic-compactness", "M", "Compactness of the superpixels, > 0; larger is rounder; default 5",
      [](std::string_view text, EstimationParams& params) {
        return ParseReal("snic-compactness", text, params.snic_compactness);

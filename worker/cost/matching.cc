@@ -48,7 +48,16 @@ MatchGeometry::MatchGeometry(const Camera& view, const Camera& neighbour, const 
 std::optional<PixelPosition> MatchGeometry::Target(PixelPosition center, Level level) const {
   const double inverse = in_view_.InverseDepth(center.x, center.y, depth_in_ref_[level]);
   if (!(inverse > 0)) return std::nullopt;
-  const Reprojection::Projected p = neighbour_from_view_.Project(center.x, center.y, inverse);
+  return TargetAt(center, inverse);
+}
+
+std::optional<PixelPosition> MatchGeometry::TargetOnPlane(PixelPosition center, double inverse_depth_in_ref) const {
+  if (!in_view_.PlaneInFront(inverse_depth_in_ref)) return std::nullopt;
+  return TargetAt(center, in_view_.InverseDepthOnPlane(center.x, center.y, inverse_depth_in_ref));
+}
+
+std::optional<PixelPosition> MatchGeometry::TargetAt(PixelPosition center, double inverse_depth) const {
+  const Reprojection::Projected p = neighbour_from_view_.Project(center.x, center.y, inverse_depth);
   if (!(p.depth_per_source > 0)) return std::nullopt;
   // Compared before the conversion: a far away point does not fit an int.
   if (!(p.x >= -0.5) || !(p.y >= -0.5) || !(p.x < neighbour_width_ - 0.5) || !(p.y < neighbour_height_ - 0.5)) {

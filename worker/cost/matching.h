@@ -40,7 +40,13 @@ class MatchGeometry {
   // paper). Nearest pixel, as the window of eq. (4) is of whole pixels.
   [[nodiscard]] std::optional<PixelPosition> Target(PixelPosition center, Level level) const;
 
+  // The same on any plane parallel to the levels, also one beyond infinity: where else along its epipolar line the
+  // segment could be. none also where the plane is behind the view.
+  [[nodiscard]] std::optional<PixelPosition> TargetOnPlane(PixelPosition center, double inverse_depth_in_ref) const;
+
  private:
+  [[nodiscard]] std::optional<PixelPosition> TargetAt(PixelPosition center, double inverse_depth) const;
+
   LevelsInView in_view_;
   Reprojection neighbour_from_view_;
   std::vector<double> depth_in_ref_;  // per level

@@ -1,12 +1,15 @@
 #include "worker/estimation/frame_problem.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "common/geometry/neighbours.h"
 #include "worker/cost/smoothness.h"
+#include "worker/cost/uniqueness.h"
 
 namespace depthfarm {
 namespace {
@@ -31,20 +34,40 @@ FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis
     std::vector<Pair> pairs;
     for (const int neighbour : job.views[view_index].neighbours) {
       const Camera& other = job.views[static_cast<std::size_t>(neighbour)].camera;
-      pairs.push_back({neighbour, MatchGeometry(job.views[view_index].camera, other, levels)});
+      const Camera& camera = job.views[view_index].camera;
+      pairs.push_back({neighbour, MatchGeometry(camera, other, levels),
+                       FloorPlanes(levels, DisparityRange(camera, other, levels))});
     }
     matches_per_node_ = std::max(matches_per_node_, static_cast<int>(pairs.size()));
     pairs_.push_back(std::move(pairs));
   }
 }
 
-MatchLink FrameProblem::MatchAt(int view_index, const Pair& pair, PixelPosition center, PixelPosition target) const {
-  const ViewAnalysis& view = *analysis_[static_cast<std::size_t>(view_index)];
-  const ViewAnalysis& neighbour = *analysis_[static_cast<std::size_t>(pair.neighbour)];
+MatchLink FrameProblem::FullMatchAt(const Matcher& matcher, PixelPosition target) const {
+  const ViewAnalysis& view = *analysis_[static_cast<std::size_t>(matcher.view_index)];
+  const ViewAnalysis& neighbour = *analysis_[static_cast<std::size_t>(matcher.pair.neighbour)];
   const WindowDifference difference =
-      WindowColorDifference(view.picture, neighbour.picture, center, target, job_.params.matching_window);
-  return {offset(pair.neighbour) + neighbour.segments.labels(target.x, target.y),
+      WindowColorDifference(view.picture, neighbour.picture, matcher.center, target, job_.params.matching_window);
+  return {offset(matcher.pair.neighbour) + neighbour.segments.labels(target.x, target.y),
           MatchReward(difference, offset_steps_)};
+}
+
+MatchLink FrameProblem::MatchAt(Matcher& matcher, PixelPosition target) const {
+  MatchLink match = FullMatchAt(matcher, target);
+  if (match.reward == 0 || job_.params.uniqueness == 0) return match;
+  if (!matcher.floor) matcher.floor = Floor(matcher);
+  match.reward = static_cast<std::uint16_t>(match.reward - std::min(match.reward, *matcher.floor));
+  return match;
+}
+
+std::uint16_t FrameProblem::Floor(const Matcher& matcher) const {
+  std::array<std::uint16_t, kFloorPlanes> rewards{};
+  std::size_t count = 0;
+  for (const double plane : matcher.pair.floor_planes) {
+    const std::optional<PixelPosition> target = matcher.pair.geometry.TargetOnPlane(matcher.center, plane);
+    if (target) rewards[count++] = FullMatchAt(matcher, *target).reward;
+  }
+  return count == 0 ? std::uint16_t{0} : RewardFloor({rewards.data(), count}, job_.params.uniqueness);
 }
 
 // tile: [level index][node - begin]
@@ -54,26 +77,26 @@ void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex
   const Pair& pair = pairs_[static_cast<std::size_t>(view_index)][static_cast<std::size_t>(slot)];
   const SegmentMap& segments = analysis_[static_cast<std::size_t>(view_index)]->segments;
   for (NodeIndex segment = begin; segment < end; ++segment) {
-    const PixelPosition center = segments.centers[segment];
+    Matcher matcher{view_index, pair, segments.centers[segment], std::nullopt};
     const NodeIndex node = offset(view_index) + segment;
     if (choices.fixed[node] != 0) {
       for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
         MatchLink& match = tile[level_index * kTileNodes + (segment - begin)];
         match = {};
         if (levels[level_index] != choices.labels[node]) continue;
-        const std::optional<PixelPosition> target = pair.geometry.Target(center, levels[level_index]);
-        if (target) match = MatchAt(view_index, pair, center, *target);
+        const std::optional<PixelPosition> target = pair.geometry.Target(matcher.center, levels[level_index]);
+        if (target) match = MatchAt(matcher, *target);
       }
       continue;
     }
     std::optional<PixelPosition> last;
     MatchLink match;
     for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
-      const std::optional<PixelPosition> target = pair.geometry.Target(center, levels[level_index]);
+      const std::optional<PixelPosition> target = pair.geometry.Target(matcher.center, levels[level_index]);
       if (!target) {
         match = {};
       } else if (target != last) {
-        match = MatchAt(view_index, pair, center, *target);
+        match = MatchAt(matcher, *target);
       }
       last = target;
       tile[level_index * kTileNodes + (segment - begin)] = match;
@@ -121,9 +144,9 @@ std::vector<MatchLink> FrameProblem::MatchesOnOwnLevels(const std::vector<Level>
     for (NodeIndex segment = 0; segment < static_cast<NodeIndex>(segments.num_segments()); ++segment) {
       const NodeIndex node = offset(view_index) + segment;
       for (std::size_t slot = 0; slot < pairs.size(); ++slot) {
-        const PixelPosition center = segments.centers[segment];
-        const std::optional<PixelPosition> target = pairs[slot].geometry.Target(center, labels[node]);
-        if (target) matches[node * width + slot] = MatchAt(view_index, pairs[slot], center, *target);
+        Matcher matcher{view_index, pairs[slot], segments.centers[segment], std::nullopt};
+        const std::optional<PixelPosition> target = pairs[slot].geometry.Target(matcher.center, labels[node]);
+        if (target) matches[node * width + slot] = MatchAt(matcher, *target);
       }
     }
   }

@@ -2,6 +2,7 @@
 #define DEPTHFARM_WORKER_ESTIMATION_FRAME_PROBLEM_H_
 
 #include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -48,8 +49,21 @@ class FrameProblem {
   struct Pair {  // one view matched against one of its neighbours
     int neighbour = 0;
     MatchGeometry geometry;
+    std::vector<double> floor_planes;  // where floors are measured: inverse depths in the reference camera
   };
-  [[nodiscard]] MatchLink MatchAt(int view_index, const Pair& pair, PixelPosition center, PixelPosition target) const;
+  // One segment matched against one neighbour. Its floor (cost/uniqueness.h) is measured when the first match asks for
+  // it: most segments of a merge or a P frame never do.
+  struct Matcher {
+    int view_index = 0;
+    const Pair& pair;
+    PixelPosition center;
+    std::optional<std::uint16_t> floor;
+  };
+  // Against what the neighbour shows at `target`.
+  [[nodiscard]] MatchLink MatchAt(Matcher& matcher, PixelPosition target) const;
+  // As eq. (5) has it.
+  [[nodiscard]] MatchLink FullMatchAt(const Matcher& matcher, PixelPosition target) const;
+  [[nodiscard]] std::uint16_t Floor(const Matcher& matcher) const;
   // What the nodes of a frame may take.
   struct Choices {
     const std::vector<Level>& levels;

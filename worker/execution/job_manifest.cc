@@ -19,6 +19,7 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"smoothing", params.smoothing},
       {"matchingWindow", integer(params.matching_window)},
       {"matchingOffset", params.matching_offset},
+      {"uniqueness", integer(params.uniqueness)},
       {"snicCompactness", params.snic_compactness},
       {"gop", integer(params.gop)},
       {"pThreshold", integer(params.p_threshold)},

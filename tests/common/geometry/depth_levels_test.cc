@@ -127,6 +127,7 @@ TEST(LevelsInView, RaysMeetThePlanesWhereTheyDoInTheWorld) {
       EXPECT_GT(z, 0);
       EXPECT_NEAR(z, OwnDepthOnPlane(view, reference, depth, x, y), 1e-10 * z);
       EXPECT_NEAR(in_view.DepthInRef(x, y, z), depth, 1e-10 * depth);
+      EXPECT_NEAR(1 / in_view.InverseDepthOnPlane(x, y, 1 / depth), z, 1e-10 * z);
     }
   }
 }
@@ -138,6 +139,7 @@ TEST(LevelsInView, DepthIsTheSameInTheReferenceItself) {
   EXPECT_DOUBLE_EQ(in_view.center_depth(), 0);
   for (int level = 0; level < 9; ++level) {
     EXPECT_DOUBLE_EQ(in_view.InverseDepth(7, 20, levels.DepthInRef(level)), 1 / levels.DepthInRef(level));
+    EXPECT_DOUBLE_EQ(in_view.InverseDepthOnPlane(7, 20, 1 / levels.DepthInRef(level)), 1 / levels.DepthInRef(level));
   }
 }
 
@@ -146,6 +148,10 @@ TEST(LevelsInView, PlanesBehindTheViewHaveNoPositiveInverseDepth) {
   const LevelsInView between(CameraAt(0, 0, 5), levels);
   EXPECT_LT(between.InverseDepth(15, 11, 2), 0);
   EXPECT_GT(between.InverseDepth(15, 11, 30), 0);
+  EXPECT_FALSE(between.PlaneInFront(1 / 2.0));
+  EXPECT_TRUE(between.PlaneInFront(1 / 30.0));
+  EXPECT_TRUE(between.PlaneInFront(0));
+  EXPECT_TRUE(between.PlaneInFront(-1));
   EXPECT_FALSE(std::isfinite(between.InverseDepth(15, 11, 5)));  // the view's own plane
   const LevelsInView away(Turned(CameraAt(0, 0, 0), std::numbers::pi), levels);
   EXPECT_LT(away.InverseDepth(15, 11, 2), 0);

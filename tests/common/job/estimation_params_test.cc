@@ -43,6 +43,8 @@ TEST(EstimationParams, RefusesValuesOutsideTheirBoundsByName) {
       {[](EstimationParams& p) { p.matching_offset = 0; }, "matching-offset is 0"},
       {[](EstimationParams& p) { p.matching_offset = 766; }, "matching-offset is 766, expected > 0, at most 765"},
       {[](EstimationParams& p) { p.matching_offset = kNaN; }, "matching-offset is nan"},
+      {[](EstimationParams& p) { p.uniqueness = -1; }, "uniqueness is -1"},
+      {[](EstimationParams& p) { p.uniqueness = 100; }, "uniqueness is 100, expected 1 to 99 %, or 0"},
       {[](EstimationParams& p) { p.snic_compactness = 0; }, "snic-compactness is 0"},
       {[](EstimationParams& p) { p.snic_compactness = 1001; }, "snic-compactness is 1001"},
       {[](EstimationParams& p) { p.snic_compactness = kNaN; }, "snic-compactness is nan"},
@@ -94,6 +96,8 @@ TEST(EstimationParams, AcceptsTheBoundsThemselves) {
       {[](EstimationParams& p) { p.matching_window = 1; }, "smallest window"},
       {[](EstimationParams& p) { p.matching_window = 15; }, "largest window"},
       {[](EstimationParams& p) { p.matching_offset = 765; }, "matching-offset"},
+      {[](EstimationParams& p) { p.uniqueness = 0; }, "every match in full"},
+      {[](EstimationParams& p) { p.uniqueness = 99; }, "the highest percentile"},
       {[](EstimationParams& p) { p.snic_compactness = 1000; }, "snic-compactness"},
       {[](EstimationParams& p) { p.gop = 1; }, "I frames only"},
       {[](EstimationParams& p) { p.p_threshold = p.i_threshold = 0; }, "lowest thresholds"},
@@ -131,6 +135,7 @@ TEST(Preset, PaperIsThePaperToTheLetter) {
   expected.levels = 250;
   expected.level_blocks = 1;
   expected.max_sweeps = 0;
+  expected.uniqueness = 0;
   expected.refine_rounds = 0;
   EXPECT_EQ(Preset("paper").value(), expected);
   EXPECT_TRUE(expected.Validate().ok());

@@ -63,6 +63,7 @@ EstimationParams TestParams() {
   params.smoothing = 1.25;
   params.matching_window = 5;
   params.matching_offset = 31;
+  params.uniqueness = 60;
   params.snic_compactness = 6.5;
   params.gop = 4;
   params.p_threshold = 4;
@@ -185,6 +186,7 @@ TEST(ParamsWire, HostileValuesAreRefused) {
   EXPECT_TRUE(refused([](auto& p) { p.set_z_near(kNaN); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_z_far(kInfinity); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_matching_offset(kInfinity); }));
+  EXPECT_TRUE(refused([](auto& p) { p.set_uniqueness(100); }));
   EXPECT_TRUE(refused([](auto& p) { p.clear_partition(); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("../x"); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("cam0"); }));

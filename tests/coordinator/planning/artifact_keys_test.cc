@@ -27,6 +27,7 @@ TEST(ArtifactKeys, WhatReachesTheEnergyChangesTheKey) {
       [](JobConfig& c) { c.resolved.params.smoothing += 0.5; },
       [](JobConfig& c) { c.resolved.params.matching_window += 2; },
       [](JobConfig& c) { c.resolved.params.matching_offset += 1; },
+      [](JobConfig& c) { --c.resolved.params.uniqueness; },
       [](JobConfig& c) { ++c.resolved.params.p_threshold; },
       [](JobConfig& c) { ++c.resolved.params.i_threshold; },
       [](JobConfig& c) { ++c.resolved.params.max_sweeps; },

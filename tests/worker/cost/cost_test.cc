@@ -98,6 +98,16 @@ TEST(MatchGeometry, PointsAppearAtTheirDisparity) {  // parallel pair: x' = x - 
   EXPECT_EQ(geometry.Target({3, 20}, 0), std::nullopt);
 }
 
+TEST(MatchGeometry, FollowsTheEpipolarLineBeyondInfinity) {
+  const Camera left = TestCamera(0);
+  const DepthLevels levels = DepthLevels::Create(left, 2.5, 10, 21).value();
+  const MatchGeometry geometry(left, TestCamera(0.5), levels);
+  EXPECT_EQ(geometry.TargetOnPlane({40, 20}, 0.1), (PixelPosition{40 - 5, 20}));
+  EXPECT_EQ(geometry.TargetOnPlane({40, 20}, 0), (PixelPosition{40, 20}));
+  EXPECT_EQ(geometry.TargetOnPlane({40, 20}, -0.1), (PixelPosition{40 + 5, 20}));
+  EXPECT_EQ(geometry.TargetOnPlane({40, 20}, -1), std::nullopt);  // outside the picture
+}
+
 TEST(MatchGeometry, GivesNoTargetForPlanesBehindACamera) {
   const Camera reference = TestCamera(0);
   Camera ahead = TestCamera(0.1);
@@ -106,6 +116,8 @@ TEST(MatchGeometry, GivesNoTargetForPlanesBehindACamera) {
   const MatchGeometry geometry(reference, ahead, levels);
   EXPECT_NE(geometry.Target({31, 23}, 0), std::nullopt);
   EXPECT_EQ(geometry.Target({31, 23}, 8), std::nullopt);
+  EXPECT_EQ(MatchGeometry(ahead, reference, levels).TargetOnPlane({31, 23}, 1 / 4.0), std::nullopt);
+  EXPECT_NE(MatchGeometry(ahead, reference, levels).TargetOnPlane({31, 23}, 1 / 8.0), std::nullopt);
 }
 
 }  // namespace
