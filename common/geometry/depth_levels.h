@@ -54,8 +54,8 @@ class LevelsInView {
   [[nodiscard]] double InverseDepth(double x, double y, double depth_in_ref) const {
     return (slope_x_ * x + slope_y_ * y + slope_1_) / (depth_in_ref - center_depth_);
   }
-  // The same by the plane's inverse depth, which may be 0 or negative: planes beyond infinity continue the ray's image in
-  // other views. For planes with PlaneInFront only.
+  // The same by the plane's inverse depth, which may be 0 or negative: planes beyond infinity continue the ray's image
+  // in other views. For planes with PlaneInFront only.
   [[nodiscard]] double InverseDepthOnPlane(double x, double y, double inverse_depth_in_ref) const {
     return (slope_x_ * x + slope_y_ * y + slope_1_) * inverse_depth_in_ref /
            (1.0 - inverse_depth_in_ref * center_depth_);

@@ -68,6 +68,7 @@ Parameters ParametersOf(const depthfarm::EstimationParams& params) {
           {"smoothing", params.smoothing},
           {"matchingWindow", std::int64_t{params.matching_window}},
           {"matchingOffset", params.matching_offset},
+          {"uniqueness", std::int64_t{params.uniqueness}},
           {"snicCompactness", params.snic_compactness},
           {"neighbours", std::int64_t{params.neighbours}},
           {"maxSweeps", std::int64_t{params.max_sweeps}}};
@@ -85,10 +86,10 @@ int Run(int argc, char** argv) {
       app.add_subcommand("per-view", "Segment graph cut as in depthfarm run --refine 0, each view on its own");
   for (CLI::App* command : {sgbm, pixel_cut, per_view}) AddCommonOptions(*command, options);
   AddPixelCutOptions(*pixel_cut, pixel_cut_params);
-  AddRunOptions(
-      *per_view,
-      {"segments", "smoothing", "matching-window", "matching-offset", "snic-compactness", "neighbors", "sweeps"},
-      options.params);
+  AddRunOptions(*per_view,
+                {"segments", "smoothing", "matching-window", "matching-offset", "uniqueness", "snic-compactness",
+                 "neighbors", "sweeps"},
+                options.params);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
