@@ -27,7 +27,7 @@ struct EstimationParams {
   double smoothing = 1.0;       // beta_0 of eq. (3) per 1/249 of the depth range, L1 in grey levels; 0..100
   int matching_window = 3;      // side of W in eq. (4), pixels, odd, 1..15
   double matching_offset = 30;  // K of eq. (5), grey levels summed over Y, Cb, Cr; > 0, <= 765
-  int uniqueness = 75;  // a match counts by how much it beats this share of the levels, %; 0: in full (eq. 5); 0..99
+  int uniqueness = 75;  // a match counts by how much it beats this share of its epipolar line, %; 0: in full (5); 0..99
   double snic_compactness = 5;  // m of SNIC (paper IV-C), > 0
   int gop = 10;                 // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1 = I frames only
   int p_threshold = 3;          // T_P of III-E, grey levels

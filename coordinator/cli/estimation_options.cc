@@ -109,7 +109,7 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
        return ParseReal("matching-offset", text, params.matching_offset);
      }},
     {"uniqueness", "P",
-     "A match is rewarded by how much it beats P % of the levels, 0 to 99; 0: in full, as the paper; default 75",
+     "A match is rewarded by how much it beats P % of its epipolar line, 0 to 99; 0: in full, as the paper; default 75",
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("uniqueness", text, params.uniqueness);
      }},

@@ -48,9 +48,9 @@ def run(setup: Setup) -> Section:
             add(name, setup.measure(sequences, options))
     add(SGBM, setup.measure_baseline("sgbm", sequences))
     caption = setup.caption("choices", setup.where(setup.scenes), "[one option]")
-    text = (f"{caption} The defaults (K 30, uniqueness 75 %, beta_0 1, window 3x3, 2 neighbours, compactness 5, 2 sweeps, 4 rounds of "
-            "refinement) with one choice changed: differences from the first row. *Bad > 1 px*: of non-occluded "
-            f"pixels of all views. {PANEL}\n\n"
+    text = (f"{caption} The defaults (K 30, uniqueness 75 %, beta_0 1, window 3x3, 2 neighbours, compactness 5, "
+            "2 sweeps, 4 rounds of refinement) with one choice changed: differences from the first row. *Bad > 1 px*: "
+            f"of non-occluded pixels of all views. {PANEL}\n\n"
             + markdown_table(["choice", "PSNR-Y, dB", "outside the panel, dB", "bad > 1 px", "CPU a view"], rows)
             + "\n")
     return Section("choices", "Open choices", text)

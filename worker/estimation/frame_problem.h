@@ -51,8 +51,8 @@ class FrameProblem {
     MatchGeometry geometry;
     std::vector<double> floor_planes;  // where floors are measured: inverse depths in the reference camera
   };
-  // One segment matched against one neighbour. Its floor (cost/uniqueness.h) is measured when the first match asks for
-  // it: most segments of a merge or a P frame never do.
+  // One segment matched against one neighbour. Its floor (cost/uniqueness.h; match steps) costs kFloorPlanes windows,
+  // so it is measured when the first match with a reward asks for it.
   struct Matcher {
     int view_index = 0;
     const Pair& pair;
