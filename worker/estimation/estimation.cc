@@ -1,5 +1,6 @@
 #include "worker/estimation/estimation.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -44,7 +45,8 @@ void AdoptDepth(const ResolvedJob& job, const FrameAnalysis& analysis, const Tem
 
 Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
                                  const TemporalReferences* references, int num_blocks, int block,
-                                 const std::stop_token& stop, EstimationStats* stats) {
+                                 const std::stop_token& stop, EstimationStats* stats,
+                                 std::shared_ptr<RewardFloors> floors) {
   if (num_blocks < 1 || num_blocks > job.params.levels || block < 0 || block >= num_blocks) {
     return InvalidArgument("block " + std::to_string(block) + " of " + std::to_string(num_blocks) + " of " +
                            std::to_string(job.params.levels) + " levels is asked for");
@@ -52,7 +54,7 @@ Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& an
   DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
   if (references != nullptr) DEPTHFARM_RETURN_IF_ERROR(CheckReferences(job, *references));
 
-  const FrameProblem frame(job, analysis);
+  const FrameProblem frame(job, analysis, std::move(floors));
   LabellingProblem problem;
   problem.num_nodes = frame.num_nodes();
   problem.levels = LevelsOfBlock(job.params.levels, num_blocks, job.params.partition, block);
@@ -78,28 +80,36 @@ Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& an
 }
 
 Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& first,
-                               const LabelField& second, const std::stop_token& stop, EstimationStats* stats) {
+                               const LabelField& second, const std::stop_token& stop, EstimationStats* stats,
+                               std::shared_ptr<RewardFloors> floors) {
   DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
   DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, first));
   DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, second));
-  const FrameProblem frame(job, analysis);
+  for (std::size_t v = 0; v < first.views.size(); ++v) {
+    if (first.views[v].unchanged != second.views[v].unchanged) {
+      return InvalidArgument("camera '" + job.views[v].camera.name +
+                             "': the parts to merge differ in which segments are unchanged");
+    }
+  }
+  std::vector<std::uint8_t> unchanged;
+  for (const ViewLabels& view : first.views)
+    unchanged.insert(unchanged.end(), view.unchanged.begin(), view.unchanged.end());
+
+  const FrameProblem frame(job, analysis, std::move(floors));
   FusionProblem problem;
   problem.num_nodes = frame.num_nodes();
   problem.matches_per_node = frame.matches_per_node();
   problem.smoothness = &frame.smoothness();
   problem.labels[0] = frame.ToNodes(first);
   problem.labels[1] = frame.ToNodes(second);
-  for (const int map : {0, 1}) problem.matches[map] = frame.MatchesOnOwnLevels(problem.labels[map]);
+  for (const int map : {0, 1}) problem.matches[map] = frame.MatchesOnOwnLevels(problem.labels[map], unchanged);
   if (stop.stop_requested()) return Cancelled();
   const FusionResult fused = Fuse(problem);
   if (stats != nullptr) {
     stats->energy = fused.energy;
     stats->segments = static_cast<int>(frame.num_nodes());
+    stats->nodes = static_cast<int>(std::count(unchanged.begin(), unchanged.end(), 0));
   }
-  std::vector<std::uint8_t> unchanged;
-  unchanged.reserve(frame.num_nodes());
-  for (const ViewLabels& view : first.views)
-    unchanged.insert(unchanged.end(), view.unchanged.begin(), view.unchanged.end());
   return frame.FromNodes(fused.labels, unchanged);
 }
 

@@ -25,27 +25,33 @@ struct TemporalReferences {
   std::shared_ptr<const LabelField> i_labels;
 };
 
+class RewardFloors;
+
 // What an estimation did, for status and logs.
 struct EstimationStats {
   int sweeps = 0;
-  std::int64_t energy = 0;  // E of eq. (1) at the result, energy units (cost/energy_units.h)
-  std::int64_t moves = 0;   // moves that lowered E
-  int nodes = 0;            // segments that are not unchanged
-  int segments = 0;         // of all views
+  // E of eq. (1) at the result, less what unchanged segments earn from each other; energy units (cost/energy_units.h).
+  std::int64_t energy = 0;
+  std::int64_t moves = 0;  // moves that lowered E
+  int nodes = 0;           // segments that are not unchanged
+  int segments = 0;        // of all views
 };
 
 // Estimates the labels of one frame over the levels of block `block` of `num_blocks` (III, IV-A): memory to memory.
 // `references` is null for I frames. Unchanged segments keep the label of their reference whatever block it belongs to.
-// Same inputs, same result, on any machine. Errors: kInvalidArgument when sizes do not fit the job; kCancelled.
+// `floors`: what other parts of the frame have measured already (FloorMemory), or null. Same inputs, same result, on
+// any machine. Errors: kInvalidArgument when sizes do not fit the job; kCancelled.
 [[nodiscard]] Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
                                                const TemporalReferences* references, int num_blocks, int block,
-                                               const std::stop_token& stop, EstimationStats* stats);
+                                               const std::stop_token& stop, EstimationStats* stats,
+                                               std::shared_ptr<RewardFloors> floors = nullptr);
 
 // Joins two partial results of the same frame into one by a two-label cut (IV-A, Fig. 3). E of the result is at most
-// the smaller of the two; ties keep the first.
+// the smaller of the two; ties keep the first. Errors as EstimateBlock, also where the two differ in what is unchanged.
 [[nodiscard]] Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& analysis,
                                              const LabelField& first, const LabelField& second,
-                                             const std::stop_token& stop, EstimationStats* stats);
+                                             const std::stop_token& stop, EstimationStats* stats,
+                                             std::shared_ptr<RewardFloors> floors = nullptr);
 
 // kInvalidArgument unless `analysis` has one analysis per view, of the view's size and with segments.
 [[nodiscard]] Status CheckAnalysis(const ResolvedJob& job, const FrameAnalysis& analysis);

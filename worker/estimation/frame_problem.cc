@@ -18,8 +18,12 @@ constexpr NodeIndex kTileNodes = 64;  // nodes x levels x 8 bytes of a tile stay
 
 }  // namespace
 
-FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis)
-    : job_(job), analysis_(analysis), offsets_{0}, offset_steps_(MatchOffsetSteps(job.params.matching_offset)) {
+FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis, std::shared_ptr<RewardFloors> floors)
+    : job_(job),
+      analysis_(analysis),
+      offsets_{0},
+      floors_(floors != nullptr ? std::move(floors) : std::make_shared<RewardFloors>()),
+      offset_steps_(MatchOffsetSteps(job.params.matching_offset)) {
   const DepthLevels levels = job.Levels();
   const SmoothnessCost cost(job.params.smoothing, job.params.levels);
   for (std::size_t view_index = 0; view_index < job.views.size(); ++view_index) {
@@ -41,31 +45,50 @@ FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis
     matches_per_node_ = std::max(matches_per_node_, static_cast<int>(pairs.size()));
     pairs_.push_back(std::move(pairs));
   }
+  floors_->Resize(num_nodes() * static_cast<std::size_t>(matches_per_node_));
 }
 
-MatchLink FrameProblem::FullMatchAt(const Matcher& matcher, PixelPosition target) const {
+FrameProblem::Matcher FrameProblem::MatcherOf(int view_index, int slot, NodeIndex segment) const {
+  const auto v = static_cast<std::size_t>(view_index);
+  const auto s = static_cast<std::size_t>(slot);
+  const std::size_t node = offset(view_index) + segment;
+  return {view_index, pairs_[v][s], analysis_[v]->segments.centers[segment],
+          node * static_cast<std::size_t>(matches_per_node_) + s};
+}
+
+NodeIndex FrameProblem::NodeAt(const Matcher& matcher, PixelPosition target) const {
+  const auto neighbour = static_cast<std::size_t>(matcher.pair.neighbour);
+  return offset(matcher.pair.neighbour) + analysis_[neighbour]->segments.labels(target.x, target.y);
+}
+
+std::uint16_t FrameProblem::FullReward(const Matcher& matcher, PixelPosition target) const {
   const ViewAnalysis& view = *analysis_[static_cast<std::size_t>(matcher.view_index)];
   const ViewAnalysis& neighbour = *analysis_[static_cast<std::size_t>(matcher.pair.neighbour)];
   const WindowDifference difference =
       WindowColorDifference(view.picture, neighbour.picture, matcher.center, target, job_.params.matching_window);
-  return {offset(matcher.pair.neighbour) + neighbour.segments.labels(target.x, target.y),
-          MatchReward(difference, offset_steps_)};
+  return MatchReward(difference, offset_steps_);
 }
 
-MatchLink FrameProblem::MatchAt(Matcher& matcher, PixelPosition target) const {
-  MatchLink match = FullMatchAt(matcher, target);
-  if (match.reward == 0 || job_.params.uniqueness == 0) return match;
-  if (!matcher.floor) matcher.floor = Floor(matcher);
-  match.reward = static_cast<std::uint16_t>(match.reward - std::min(match.reward, *matcher.floor));
-  return match;
+MatchLink FrameProblem::MatchAt(const Matcher& matcher, PixelPosition target) const {
+  std::uint16_t reward = FullReward(matcher, target);
+  if (reward != 0 && job_.params.uniqueness != 0) {
+    reward = static_cast<std::uint16_t>(reward - std::min(reward, Floor(matcher)));
+  }
+  return {NodeAt(matcher, target), reward};
 }
 
 std::uint16_t FrameProblem::Floor(const Matcher& matcher) const {
+  std::uint16_t& floor = (*floors_)[matcher.index];
+  if (floor == RewardFloors::kNotMeasured) floor = MeasureFloor(matcher);
+  return floor;
+}
+
+std::uint16_t FrameProblem::MeasureFloor(const Matcher& matcher) const {
   std::array<std::uint16_t, kFloorPlanes> rewards{};
   std::size_t count = 0;
   for (const double plane : matcher.pair.floor_planes) {
     const std::optional<PixelPosition> target = matcher.pair.geometry.TargetOnPlane(matcher.center, plane);
-    if (target) rewards[count++] = FullMatchAt(matcher, *target).reward;
+    if (target) rewards[count++] = FullReward(matcher, *target);
   }
   return count == 0 ? std::uint16_t{0} : RewardFloor({rewards.data(), count}, job_.params.uniqueness);
 }
@@ -74,25 +97,24 @@ std::uint16_t FrameProblem::Floor(const Matcher& matcher) const {
 void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const Choices& choices,
                             std::vector<MatchLink>& tile) const {
   const std::vector<Level>& levels = choices.levels;
-  const Pair& pair = pairs_[static_cast<std::size_t>(view_index)][static_cast<std::size_t>(slot)];
-  const SegmentMap& segments = analysis_[static_cast<std::size_t>(view_index)]->segments;
   for (NodeIndex segment = begin; segment < end; ++segment) {
-    Matcher matcher{view_index, pair, segments.centers[segment], std::nullopt};
+    const Matcher matcher = MatcherOf(view_index, slot, segment);
+    const MatchGeometry& geometry = matcher.pair.geometry;
     const NodeIndex node = offset(view_index) + segment;
     if (choices.fixed[node] != 0) {
       for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
         MatchLink& match = tile[level_index * kTileNodes + (segment - begin)];
         match = {};
         if (levels[level_index] != choices.labels[node]) continue;
-        const std::optional<PixelPosition> target = pair.geometry.Target(matcher.center, levels[level_index]);
-        if (target) match = MatchAt(matcher, *target);
+        const std::optional<PixelPosition> target = geometry.Target(matcher.center, levels[level_index]);
+        if (target && choices.fixed[NodeAt(matcher, *target)] == 0) match = MatchAt(matcher, *target);
       }
       continue;
     }
     std::optional<PixelPosition> last;
     MatchLink match;
     for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
-      const std::optional<PixelPosition> target = pair.geometry.Target(matcher.center, levels[level_index]);
+      const std::optional<PixelPosition> target = geometry.Target(matcher.center, levels[level_index]);
       if (!target) {
         match = {};
       } else if (target != last) {
@@ -135,18 +157,20 @@ std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& l
   return matches;
 }
 
-std::vector<MatchLink> FrameProblem::MatchesOnOwnLevels(const std::vector<Level>& labels) const {
+std::vector<MatchLink> FrameProblem::MatchesOnOwnLevels(const std::vector<Level>& labels,
+                                                        const std::vector<std::uint8_t>& fixed) const {
   const auto width = static_cast<std::size_t>(matches_per_node_);
   std::vector<MatchLink> matches(num_nodes() * width);
   for (int view_index = 0; view_index < job_.num_views(); ++view_index) {
-    const SegmentMap& segments = analysis_[static_cast<std::size_t>(view_index)]->segments;
-    const std::vector<Pair>& pairs = pairs_[static_cast<std::size_t>(view_index)];
-    for (NodeIndex segment = 0; segment < static_cast<NodeIndex>(segments.num_segments()); ++segment) {
+    const NodeIndex segments = offset(view_index + 1) - offset(view_index);
+    const int slots = static_cast<int>(pairs_[static_cast<std::size_t>(view_index)].size());
+    for (NodeIndex segment = 0; segment < segments; ++segment) {
       const NodeIndex node = offset(view_index) + segment;
-      for (std::size_t slot = 0; slot < pairs.size(); ++slot) {
-        Matcher matcher{view_index, pairs[slot], segments.centers[segment], std::nullopt};
-        const std::optional<PixelPosition> target = pairs[slot].geometry.Target(matcher.center, labels[node]);
-        if (target) matches[node * width + slot] = MatchAt(matcher, *target);
+      for (int slot = 0; slot < slots; ++slot) {
+        const Matcher matcher = MatcherOf(view_index, slot, segment);
+        const std::optional<PixelPosition> target = matcher.pair.geometry.Target(matcher.center, labels[node]);
+        if (!target || (fixed[node] != 0 && fixed[NodeAt(matcher, *target)] != 0)) continue;
+        matches[matcher.index] = MatchAt(matcher, *target);
       }
     }
   }

@@ -1,13 +1,15 @@
 #ifndef DEPTHFARM_WORKER_ESTIMATION_FRAME_PROBLEM_H_
 #define DEPTHFARM_WORKER_ESTIMATION_FRAME_PROBLEM_H_
 
+#include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <stop_token>
 #include <vector>
 
 #include "worker/cost/matching.h"
 #include "worker/estimation/estimation.h"
+#include "worker/estimation/reward_floors.h"
 #include "worker/merging/fusion.h"
 #include "worker/optimization/labelling_problem.h"
 
@@ -17,8 +19,9 @@ namespace depthfarm {
 // M links between them.
 class FrameProblem {
  public:
-  // `job` and `analysis` must outlive this. Sizes must have been checked (CheckAnalysis).
-  FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis);
+  // `job` and `analysis` must outlive this. Sizes must have been checked (CheckAnalysis). `floors`: those of the same
+  // job and analyses, measured here as they are needed; null: measured for this object alone.
+  FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis, std::shared_ptr<RewardFloors> floors = nullptr);
 
   [[nodiscard]] NodeIndex num_nodes() const { return offsets_.back(); }
   // First node of a view; view num_views: the end.
@@ -27,8 +30,9 @@ class FrameProblem {
   [[nodiscard]] int matches_per_node() const { return matches_per_node_; }
 
   // The matches of every node on every level of `levels` ([level index][node][slot]); of a node that is fixed (per
-  // node: not 0) only those on the level it holds, the others are none: it never takes them. Work: levels x free nodes
-  // x D windows, less those of levels that fall on the same pixel as the one before. Empty when cancelled.
+  // node: not 0) only those with free nodes on the level it holds: the others it never takes, or they are constants.
+  // Work: levels x free nodes x D windows, less those of levels that fall on the same pixel as the one before. Empty
+  // when cancelled.
   [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
                                                        const std::vector<std::uint8_t>& fixed,
                                                        const std::vector<Level>& labels,
@@ -37,8 +41,9 @@ class FrameProblem {
   [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
                                                        const std::stop_token& stop) const;
 
-  // The matches of every node on the level it holds ([node][slot]).
-  [[nodiscard]] std::vector<MatchLink> MatchesOnOwnLevels(const std::vector<Level>& labels) const;
+  // The matches of every node on the level it holds ([node][slot]), less those between fixed ones.
+  [[nodiscard]] std::vector<MatchLink> MatchesOnOwnLevels(const std::vector<Level>& labels,
+                                                          const std::vector<std::uint8_t>& fixed) const;
 
   // Label fields by view <-> labels by node.
   [[nodiscard]] std::vector<Level> ToNodes(const LabelField& field) const;
@@ -51,19 +56,21 @@ class FrameProblem {
     MatchGeometry geometry;
     std::vector<double> floor_planes;  // where floors are measured: inverse depths in the reference camera
   };
-  // One segment matched against one neighbour. Its floor (cost/uniqueness.h; match steps) costs kFloorPlanes windows,
-  // so it is measured when the first match with a reward asks for it.
+  // One segment matched against one neighbour.
   struct Matcher {
     int view_index = 0;
     const Pair& pair;
     PixelPosition center;
-    std::optional<std::uint16_t> floor;
+    std::size_t index = 0;  // of its floor: node x D + slot
   };
+  [[nodiscard]] Matcher MatcherOf(int view_index, int slot, NodeIndex segment) const;
+  [[nodiscard]] NodeIndex NodeAt(const Matcher& matcher, PixelPosition target) const;
   // Against what the neighbour shows at `target`.
-  [[nodiscard]] MatchLink MatchAt(Matcher& matcher, PixelPosition target) const;
-  // As eq. (5) has it.
-  [[nodiscard]] MatchLink FullMatchAt(const Matcher& matcher, PixelPosition target) const;
+  [[nodiscard]] MatchLink MatchAt(const Matcher& matcher, PixelPosition target) const;
+  [[nodiscard]] std::uint16_t FullReward(const Matcher& matcher, PixelPosition target) const;  // eq. (5)
+  // Asked for only where there is a reward: many matches never are measured.
   [[nodiscard]] std::uint16_t Floor(const Matcher& matcher) const;
+  [[nodiscard]] std::uint16_t MeasureFloor(const Matcher& matcher) const;
   // What the nodes of a frame may take.
   struct Choices {
     const std::vector<Level>& levels;
@@ -78,6 +85,7 @@ class FrameProblem {
   std::vector<NodeIndex> offsets_;
   std::vector<std::vector<Pair>> pairs_;  // [view][slot]
   std::vector<SmoothnessLink> smoothness_;
+  std::shared_ptr<RewardFloors> floors_;
   int matches_per_node_ = 0;
   std::int32_t offset_steps_ = 0;
 };

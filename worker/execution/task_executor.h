@@ -9,6 +9,7 @@
 #include "common/job/task_spec.h"
 #include "worker/artifacts/memory_cache.h"
 #include "worker/artifacts/store.h"
+#include "worker/estimation/reward_floors.h"
 #include "worker/execution/artifact_fetcher.h"
 #include "worker/execution/task_inputs.h"
 
@@ -66,6 +67,7 @@ class TaskExecutor {
   ArtifactStore& store_;
   MemoryCache& cache_;
   ArtifactFetcher& fetcher_;
+  FloorMemory floors_;
 };
 
 }  // namespace depthfarm

@@ -197,6 +197,7 @@ TEST(EstimateBlock, LabelsOfAPFrameAreThoseOfTheWholeProblem) {
     labels = test::ExpandPlainly(problem, labels, static_cast<Level>(level));
   }
   EXPECT_EQ(frame.ToNodes(field), labels);
+  problem.matches = frame.MatchesOnLevels(problem.levels, problem.fixed, labels, {});  // less what is constant
   EXPECT_EQ(stats.energy, test::EnergyPlainly(problem, labels));
 }
 
@@ -272,6 +273,9 @@ TEST(MergeLabels, RefusesLabelsThatDoNotFit) {
   wrong = field;
   wrong.views.pop_back();
   EXPECT_EQ(MergeLabels(job, analysis, wrong, field, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
+  wrong = field;
+  wrong.views[1].unchanged[3] = 1;
+  EXPECT_EQ(MergeLabels(job, analysis, field, wrong, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -38,6 +38,16 @@ std::vector<Level> AllLevels() {
   return levels;
 }
 
+std::vector<std::uint8_t> NoneFixed(const FrameProblem& frame) {
+  return std::vector<std::uint8_t>(frame.num_nodes(), 0);
+}
+
+std::vector<std::uint16_t> Rewards(const std::vector<MatchLink>& matches) {
+  std::vector<std::uint16_t> rewards;
+  for (const MatchLink& match : matches) rewards.push_back(match.reward);
+  return rewards;
+}
+
 // The floor of a segment against one neighbour, put together from its parts.
 int FloorPlainly(const ResolvedJob& job, const FrameAnalysis& analysis, int view_index, int neighbour,
                  NodeIndex segment) {
@@ -100,7 +110,8 @@ TEST(FrameProblem, MatchesAreTheSameWhateverLevelsAPartHas) {
   const std::size_t row = all.size() / kLevels;
   for (const Level level : {Level{0}, Level{33}, Level{79}}) {
     const std::vector<MatchLink> part = frame.MatchesOnLevels({level}, {});
-    const std::vector<MatchLink> own = frame.MatchesOnOwnLevels(std::vector<Level>(frame.num_nodes(), level));
+    const std::vector<MatchLink> own =
+        frame.MatchesOnOwnLevels(std::vector<Level>(frame.num_nodes(), level), NoneFixed(frame));
     for (std::size_t i = 0; i < row; ++i) {
       const MatchLink& expected = all[level * row + i];
       EXPECT_EQ(part[i].reward, expected.reward);
@@ -109,6 +120,40 @@ TEST(FrameProblem, MatchesAreTheSameWhateverLevelsAPartHas) {
       EXPECT_EQ(own[i].target, expected.target);
     }
   }
+}
+
+TEST(FrameProblem, MatchesAreTheSameWithFloorsThatAnotherPartMeasured) {
+  const ResolvedJob job = Job(75);
+  const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
+  const auto floors = std::make_shared<RewardFloors>();
+  (void)FrameProblem(job, analysis, floors).MatchesOnLevels({10, 40}, {});
+  EXPECT_EQ(Rewards(FrameProblem(job, analysis, floors).MatchesOnLevels(AllLevels(), {})),
+            Rewards(FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), {})));
+  // They are indeed used: other floors, other rewards.
+  (*floors)[0] = 0;
+  EXPECT_NE(Rewards(FrameProblem(job, analysis, floors).MatchesOnLevels(AllLevels(), {})),
+            Rewards(FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), {})));
+}
+
+TEST(FrameProblem, MatchesBetweenFixedNodesAreLeftOut) {
+  const ResolvedJob job = Job(75);
+  const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
+  const FrameProblem frame(job, analysis);
+  const std::vector<Level> labels(frame.num_nodes(), 30);
+  std::vector<std::uint8_t> fixed = NoneFixed(frame);
+  for (NodeIndex node = 0; node < frame.num_nodes(); node += 2) fixed[node] = 1;
+  const std::vector<MatchLink> all = frame.MatchesOnOwnLevels(labels, NoneFixed(frame));
+  const std::vector<MatchLink> own = frame.MatchesOnOwnLevels(labels, fixed);
+  const std::vector<MatchLink> tile = frame.MatchesOnLevels({30}, fixed, labels, {});
+  const auto width = static_cast<std::size_t>(frame.matches_per_node());
+  int left_out = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool constant = fixed[i / width] != 0 && fixed[all[i].target] != 0;
+    EXPECT_EQ(own[i].reward, constant ? 0 : all[i].reward);
+    EXPECT_EQ(tile[i].reward, own[i].reward);
+    left_out += constant && all[i].reward != 0 ? 1 : 0;
+  }
+  EXPECT_GT(left_out, 0);
 }
 
 // What the floor is for: a surface without texture matches everywhere, which is no reason to believe any depth.
