@@ -6,8 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <tuple>
 #include <utility>
 #include <vector>
+
+#include "worker/refinement/patch_cost.h"
 
 namespace depthfarm {
 namespace {
@@ -20,10 +23,9 @@ constexpr int kReach = 5;           // candidates come from as far
 constexpr double kDistinct = 0.15;  // pixels of u between candidates
 constexpr std::size_t kMaxCandidates = 5;
 constexpr int kSweeps = 3;
-constexpr double kPairCost = 0.05;     // of rho, for neighbours on different surfaces
-constexpr double kPairScale = 0.5;     // pixels of u at which they are that
-constexpr double kUnseen = 0.5;        // rho of what no other view sees
-constexpr double kColourFalloff = 40;  // grey levels, summed over Y, Cb, Cr
+constexpr std::size_t kCostsBetweenStopChecks = 1U << 12;
+constexpr double kPairCost = 0.05;  // of rho, for neighbours on different surfaces
+constexpr double kPairScale = 0.5;  // pixels of u at which they are that
 
 constexpr std::array<std::pair<int, int>, 4> kFourNeighbours{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 constexpr std::array<std::pair<int, int>, 8> kEightDirections{
@@ -54,14 +56,6 @@ Grid<std::uint8_t> JumpBand(const InverseDepthMap& map) {
   }
 }
 
-// About exp(-d / 10), without the library's exp, whose last bits differ between machines: (1 + d / 40)^-4.
-double ColourWeight(const Colour& a, const Colour& b) {
-  double d = 0;
-  for (int i = 0; i < 3; ++i) d += std::abs(a[i] - b[i]);
-  const double base = 1 / (1 + d / kColourFalloff);
-  return base * base * base * base;
-}
-
 // The planes that one pixel may take.
 struct Choice {
   int x = 0;
@@ -70,31 +64,6 @@ struct Choice {
   std::array<double, kMaxCandidates> costs{};
   std::size_t count = 0;
 };
-
-// Mean misfit of the 3 x 3 pixels around, over the better half of the other views: an occluder hides a pixel from some.
-double PatchCost(const ColourGrid& own, std::span<const OtherView> others, const SlantedPlane& plane, int x0, int y0) {
-  std::vector<double> per_view;
-  for (const OtherView& other : others) {
-    double sum = 0;
-    double weights = 0;
-    for (int y = std::max(0, y0 - 1); y <= std::min(own.height() - 1, y0 + 1); ++y) {
-      for (int x = std::max(0, x0 - 1); x <= std::min(own.width() - 1, x0 + 1); ++x) {
-        const auto rho = Misfit(own(x, y), other, x, y, plane.At(x, y));
-        if (!rho) continue;
-        const double w = ColourWeight(own(x, y), own(x0, y0));
-        sum += w * *rho;
-        weights += w;
-      }
-    }
-    if (weights > 0) per_view.push_back(sum / weights);
-  }
-  if (per_view.empty()) return kUnseen;
-  std::sort(per_view.begin(), per_view.end());
-  const std::size_t half = (per_view.size() + 1) / 2;
-  double sum = 0;
-  for (std::size_t i = 0; i < half; ++i) sum += per_view[i];
-  return sum / static_cast<double>(half);
-}
 
 Choice CandidatesAt(const RefinedView& view, int x, int y) {
   Choice choice{.x = x, .y = y};
@@ -112,6 +81,31 @@ Choice CandidatesAt(const RefinedView& view, int x, int y) {
   for (int d = 1; d <= kReach; ++d)
     for (const auto& [dx, dy] : kEightDirections) offer(x + d * dx, y + d * dy);
   return choice;
+}
+
+// Plane by plane, as PatchCost asks for.
+void FillCosts(const ColourGrid& own, std::span<const OtherView> others, const RefinedView& view,
+               std::vector<Choice>& choices, const std::stop_token& stop) {
+  struct Candidate {
+    PlaneIndex plane = 0;
+    std::uint32_t choice = 0;
+    std::uint32_t index = 0;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    for (std::size_t i = 0; i < choices[c].count; ++i)
+      candidates.push_back({choices[c].planes[i], static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.plane, a.choice) < std::tie(b.plane, b.choice);
+  });
+  PatchCost cost(own, others);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (i % kCostsBetweenStopChecks == 0 && stop.stop_requested()) return;
+    const auto& [plane, c, index] = candidates[i];
+    Choice& choice = choices[c];
+    choice.costs[index] = cost.At(choice.x, choice.y, plane, view.planes[plane]);
+  }
 }
 
 PlaneIndex BestPlane(const ColourGrid& own, const RefinedView& view, const Choice& choice) {
@@ -144,13 +138,12 @@ void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std
   for (int y = 0; y < band.height() && !stop.stop_requested(); ++y) {
     for (int x = 0; x < band.width(); ++x) {
       if (band(x, y) == 0 || view.kept[segments(x, y)] != 0) continue;
-      Choice choice = CandidatesAt(view, x, y);
-      if (choice.count < 2) continue;
-      for (std::size_t i = 0; i < choice.count; ++i)
-        choice.costs[i] = PatchCost(own, others, view.planes[choice.planes[i]], x, y);
-      choices.push_back(choice);
+      const Choice choice = CandidatesAt(view, x, y);
+      if (choice.count >= 2) choices.push_back(choice);
     }
   }
+  FillCosts(own, others, view, choices, stop);
+  if (stop.stop_requested()) return;
   for (int sweep = 0; sweep < kSweeps; ++sweep)
     for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(own, view, choice);
 }
