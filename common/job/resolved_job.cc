@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kPixelsPerSegment = 20;
 constexpr int kMaxAutoLevels = 250;
-constexpr double kLevelPixelsNearest = 0.25;
-constexpr double kLevelPixelsWidest = 0.5;
+constexpr double kLevelPixels = 0.5;        // refinement finds what lies between levels half a pixel apart,
+constexpr double kFinalLevelPixels = 0.25;  // which without it is lost
 constexpr long long kSmallProblem =
     2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
@@ -81,7 +81,8 @@ Result<int> AutoLevels(const ResolvedJob& job, const DepthLevels& planes) {
   }
   std::sort(nearest.begin(), nearest.end());
   const double median = nearest[nearest.size() / 2];
-  const double steps = std::ceil(std::max(median / kLevelPixelsNearest, widest / kLevelPixelsWidest));
+  const double pixels = job.params.refine_rounds > 0 ? kLevelPixels : kFinalLevelPixels;
+  const double steps = std::ceil(std::max(median, widest / 2) / pixels);
   return static_cast<int>(std::clamp(steps + 1, 2.0, static_cast<double>(kMaxAutoLevels)));
 }
 

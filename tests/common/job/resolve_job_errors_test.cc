@@ -127,10 +127,10 @@ TEST(ResolveJobErrors, ViewWithoutANeighbour) {
 
 TEST(ResolveJobErrors, MoreLevelBlocksThanLevels) {
   EstimationParams params;
-  params.level_blocks = 50;  // auto gives 49 levels
+  params.level_blocks = 26;  // auto gives 25 levels
   EXPECT_THAT(Refusal(LineSequence({0, 0.1}), params),
-              HasSubstr("level-blocks is 50, expected at most the number of levels, 49"));
-  params.level_blocks = 49;
+              HasSubstr("level-blocks is 26, expected at most the number of levels, 25"));
+  params.level_blocks = 25;
   EXPECT_TRUE(ResolveJob(LineSequence({0, 0.1}), params).ok());
 }
 

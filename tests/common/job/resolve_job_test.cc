@@ -52,22 +52,29 @@ TEST(ResolveJobSegments, AreAtLeastOneAndAtMostThePixels) {
   EXPECT_EQ(Resolved(LineSequence({0, 0.1}), params).views[0].segments, 5000);
 }
 
-TEST(ResolveJobLevels, AutoIsAQuarterPixelAtTheNearestNeighbour) {
+TEST(ResolveJobLevels, AutoIsHalfAPixelAtTheNearestNeighbour) {
   ASSERT_NEAR(DisparityOf(0.1), 11.9, 1e-9);
-  // 11.9 / 0.25 = 47.6 steps: 48, between 49 planes.
-  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2})).params.levels, 49);
+  // 11.9 / 0.5 = 23.8 steps: 24, between 25 planes.
+  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2})).params.levels, 25);
 }
 
-TEST(ResolveJobLevels, AutoIsHalfAPixelAtTheWidestBaselineUsed) {
+TEST(ResolveJobLevels, AutoIsAPixelAtTheWidestBaselineUsed) {
   ASSERT_NEAR(DisparityOf(0.4), 47.6, 1e-9);
-  // Nearest neighbours travel 11.9, 11.9 and 47.6 pixels: a median of 11.9 asks for 47.6 steps, the widest baseline for
-  // 47.6 / 0.5 = 95.2.
-  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.5})).params.levels, 97);
+  // Nearest neighbours travel 11.9, 11.9 and 47.6 pixels: a median of 11.9 asks for 23.8 steps, the widest baseline for
+  // 47.6 / 1.
+  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.5})).params.levels, 49);
+}
+
+TEST(ResolveJobLevels, AutoIsTwiceAsFineWhereNothingIsRefined) {
+  EstimationParams params;
+  params.refine_rounds = 0;
+  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2}), params).params.levels, 49);  // 11.9 / 0.25 = 47.6 steps
+  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.5}), params).params.levels, 97);  // 47.6 / 0.5 = 95.2 steps
 }
 
 TEST(ResolveJobLevels, AutoIsAtLeastTwoAndAtMost250) {
   EXPECT_EQ(Resolved(LineSequence({0, 1e-7})).params.levels, 2);
-  EXPECT_EQ(Resolved(LineSequence({0, 1.0})).params.levels, 250);
+  EXPECT_EQ(Resolved(LineSequence({0, 1.2})).params.levels, 250);
 }
 
 TEST(ResolveJobLevels, OneAskedForIsKept) {
@@ -229,11 +236,11 @@ TEST(ResolveJobDownscale, ShrinksPicturesCamerasSegmentsAndLevels) {
     EXPECT_EQ(view.segments, 160 * 120 / 20);
   }
   EXPECT_EQ(job.reference.width, 160);
-  EXPECT_EQ(job.params.levels, 25);  // 5.95 / 0.25 = 23.8 steps
+  EXPECT_EQ(job.params.levels, 13);  // 5.95 / 0.5 = 11.9 steps
 }
 
 TEST(ResolveJobBlocks, SmallProblemsAreNotSplit) {
-  const ResolvedJob job = Resolved(LineSequence({0, 0.1, 0.2}));  // 3 x 3840 segments x 49 levels
+  const ResolvedJob job = Resolved(LineSequence({0, 0.1, 0.2}));  // 3 x 3840 segments x 25 levels
   EXPECT_EQ(job.level_blocks_i, 1);
   EXPECT_EQ(job.level_blocks_p, 1);
   EXPECT_EQ(job.params.level_blocks, 1);
