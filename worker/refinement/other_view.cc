@@ -55,8 +55,8 @@ double MeasureNoise(const ColourGrid& own, const InverseDepthMap& map, const Oth
 std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u) {
   const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
   if (!seen) return std::nullopt;
-  const double t =
-      SquaredDistance(SampleAt(*other.colour, seen->x, seen->y), own) / (kKappa * kKappa * other.sigma * other.sigma);
+  const double t = SquaredDistance(SampleAt(*other.colour, seen->x, seen->y), own) /
+                   (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
   return t / (1 + t);
 }
 

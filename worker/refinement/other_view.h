@@ -8,8 +8,11 @@
 
 namespace depthfarm {
 
-// A colour difference of kKappa standard deviations counts half (rho of Misfit): beyond, it tells of a silhouette.
+// A colour difference of kKappa standard deviations counts half where planes are fitted: beyond, it tells of a
+// silhouette. Where a pixel chooses between planes (Misfit) it does so at four times that: a pixel at a silhouette is a
+// mixture that fits neither surface well, and the better one is to be told from the worse.
 inline constexpr double kKappa = 3;
+inline constexpr double kChoiceKappa = 12;
 
 // Where a pixel at u appears in another view.
 struct Seen {

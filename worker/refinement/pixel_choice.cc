@@ -19,7 +19,8 @@ constexpr double kJump = 0.5;       // pixels of u between neighbours: a depth j
 constexpr double kHighestJump = 8;  // the bound is raised to find fewer, but not beyond
 constexpr double kMaxBand = 0.25;   // of the picture, before the bound is raised
 constexpr int kBand = 4;            // pixels to either side of a jump
-constexpr int kReach = 5;           // candidates come from as far
+constexpr int kReach = 2;           // candidates come from as far, in each pass
+constexpr int kMostPasses = 40;     // usually nothing is left to do before; two choices may swap for ever
 constexpr double kDistinct = 0.15;  // pixels of u between candidates
 constexpr std::size_t kMaxCandidates = 5;
 constexpr int kSweeps = 3;
@@ -31,17 +32,18 @@ constexpr std::array<std::pair<int, int>, 4> kFourNeighbours{{{1, 0}, {-1, 0}, {
 constexpr std::array<std::pair<int, int>, 8> kEightDirections{
     {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
 
+void MarkAround(int x0, int y0, int radius, Grid<std::uint8_t>& marked) {
+  for (int y = std::max(0, y0 - radius); y <= std::min(marked.height() - 1, y0 + radius); ++y)
+    for (int x = std::max(0, x0 - radius); x <= std::min(marked.width() - 1, x0 + radius); ++x) marked(x, y) = 1;
+}
+
 Grid<std::uint8_t> PixelsNearJumps(const InverseDepthMap& map, double jump) {
   Grid<std::uint8_t> band(map.width(), map.height());
-  const auto mark = [&](int x0, int y0) {
-    for (int y = std::max(0, y0 - kBand); y <= std::min(map.height() - 1, y0 + kBand); ++y)
-      for (int x = std::max(0, x0 - kBand); x <= std::min(map.width() - 1, x0 + kBand); ++x) band(x, y) = 1;
-  };
   for (int y = 0; y < map.height(); ++y) {
     for (int x = 0; x < map.width(); ++x) {
       if ((x + 1 < map.width() && std::abs(map(x, y) - map(x + 1, y)) > jump) ||
           (y + 1 < map.height() && std::abs(map(x, y) - map(x, y + 1)) > jump))
-        mark(x, y);
+        MarkAround(x, y, kBand, band);
     }
   }
   return band;
@@ -129,23 +131,42 @@ PlaneIndex BestPlane(const ColourGrid& own, const RefinedView& view, const Choic
   return chosen;
 }
 
-}  // namespace
-
-void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
-                  RefinedView& view, const std::stop_token& stop) {
-  const Grid<std::uint8_t> band = JumpBand(view.Map());
+// The choices at the marked pixels that have one and may move.
+std::vector<Choice> ChoicesAt(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& segments,
+                              const RefinedView& view) {
   std::vector<Choice> choices;
-  for (int y = 0; y < band.height() && !stop.stop_requested(); ++y) {
-    for (int x = 0; x < band.width(); ++x) {
-      if (band(x, y) == 0 || view.kept[segments(x, y)] != 0) continue;
+  for (int y = 0; y < marked.height(); ++y) {
+    for (int x = 0; x < marked.width(); ++x) {
+      if (marked(x, y) == 0 || view.kept[segments(x, y)] != 0) continue;
       const Choice choice = CandidatesAt(view, x, y);
       if (choice.count >= 2) choices.push_back(choice);
     }
   }
-  FillCosts(own, others, view, choices, stop);
-  if (stop.stop_requested()) return;
-  for (int sweep = 0; sweep < kSweeps; ++sweep)
-    for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(own, view, choice);
+  return choices;
+}
+
+// The pixels that may have got another candidate: those near one that has another plane than it had (planes[0]).
+Grid<std::uint8_t> NearChanges(const std::vector<Choice>& choices, const RefinedView& view) {
+  Grid<std::uint8_t> near(view.plane_of_pixel.width(), view.plane_of_pixel.height());
+  for (const Choice& choice : choices)
+    if (view.plane_of_pixel(choice.x, choice.y) != choice.planes[0]) MarkAround(choice.x, choice.y, kReach, near);
+  return near;
+}
+
+}  // namespace
+
+void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
+                  RefinedView& view, const std::stop_token& stop) {
+  Grid<std::uint8_t> open = JumpBand(view.Map());
+  for (int pass = 0; pass < kMostPasses && !stop.stop_requested(); ++pass) {
+    std::vector<Choice> choices = ChoicesAt(open, segments, view);
+    if (choices.empty()) return;
+    FillCosts(own, others, view, choices, stop);
+    if (stop.stop_requested()) return;
+    for (int sweep = 0; sweep < kSweeps; ++sweep)
+      for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(own, view, choice);
+    open = NearChanges(choices, view);
+  }
 }
 
 }  // namespace depthfarm

@@ -48,6 +48,33 @@ TEST(ChoosePlanes, MovesTheDepthEdgeToThePictures) {
   }
 }
 
+// A dark rod in front of the wall, from top to bottom of both views; of its segments only the highest has its depth.
+TEST(ChoosePlanes, APlaneSpreadsAlongARodThatOtherSegmentsMissed) {
+  constexpr int kLeft = 20;
+  constexpr int kWidth = 2;
+  constexpr int kFound = 5;  // rows
+  TwoViews views(kFar);
+  const auto on_rod = [](int x, int left) { return x >= left && x < left + kWidth; };
+  RefinedView refined{.planes = {{0, 0, float(kFar)}, {0, 0, float(kNear)}}, .kept = {0, 0}, .plane_of_pixel = {}};
+  Grid<SegmentIndex> segments(TwoViews::kWidth, TwoViews::kHeight);
+  for (int y = 0; y < TwoViews::kHeight; ++y) {
+    for (int x = 0; x < TwoViews::kWidth; ++x) {
+      if (on_rod(x, kLeft)) views.own(x, y) = {20, 100, 128, 0};
+      if (on_rod(x, kLeft - int(kNear))) {
+        views.there(x, y) = {20, 100, 128, 0};
+        views.there_map(x, y) = float(kNear);
+      }
+      segments(x, y) = on_rod(x, kLeft) && y < kFound ? 1 : 0;
+    }
+  }
+  refined.plane_of_pixel = segments;
+  const std::vector<OtherView> others{views.Other()};
+  ChoosePlanes(views.own, segments, others, refined);
+  for (int y = 0; y < TwoViews::kHeight; ++y) {
+    for (int x = 15; x < 30; ++x) ASSERT_EQ(refined.At(x, y), on_rod(x, kLeft) ? kNear : kFar) << x << "," << y;
+  }
+}
+
 TEST(ChoosePlanes, PixelsOfKeptSegmentsStay) {
   Edge edge;
   edge.refined.kept[0] = 1;
