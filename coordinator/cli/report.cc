@@ -61,6 +61,14 @@ TaskCount CountTasks(const v1::JobStatus& job) {
   return count;
 }
 
+// What the frames of a job are to its user: a rendering job counts parts of some views each.
+std::string UnitName(const v1::JobStatus& job) {
+  const auto renders = [](const v1::StageStatus& stage) {
+    return stage.kind() == v1::TASK_KIND_RENDER && stage.tasks_total() > 0;
+  };
+  return std::any_of(job.stages().begin(), job.stages().end(), renders) ? "part" : "frame";
+}
+
 std::string FramesText(const v1::JobStatus& job) {
   return std::to_string(job.frames_done()) + "/" + std::to_string(job.frames_total());
 }
@@ -193,7 +201,7 @@ std::string FormatWorkers(const std::vector<v1::WorkerStatus>& workers) {
 
 std::string FormatProgress(const v1::JobStatus& job) {
   const TaskCount tasks = CountTasks(job);
-  std::string text = "frame " + FramesText(job) + ", task " + std::to_string(tasks.done) + "/" +
+  std::string text = UnitName(job) + " " + FramesText(job) + ", task " + std::to_string(tasks.done) + "/" +
                      std::to_string(tasks.total) + ", " + FormatDuration(job.elapsed_seconds());
   if (job.state() == v1::JOB_STATE_RUNNING && tasks.done * 20 >= tasks.total && tasks.done > 0) {
     const double rest = static_cast<double>(tasks.total - std::min(tasks.done, tasks.total));

@@ -34,7 +34,7 @@ def run(setup: Setup) -> Section:
             "without refinement, which the paper does not have (it reports a tenth of the time with 49 P frames). "
             "*Flicker*: still pixels whose depth changes by more than a level from one frame to the next. "
             f"{PANEL}\n\n"
-            + markdown_table(["P frames", "PSNR-Y, dB", "against none", "outside the panel", "CPU a frame", "share", "share, cut", "flicker",
-                              "paper, dB", "paper, against none"], rows)
+            + markdown_table(["P frames", "PSNR-Y, dB", "against none", "outside the panel", "CPU a frame", "share",
+                              "share, cut", "flicker", "paper, dB", "paper, against none"], rows)
             + f"\n\n{setup.picture('gop', 'PSNR over P frames')}\n")
     return Section("gop", "P frames: quality and time (Table VII, Fig. 8)", text)

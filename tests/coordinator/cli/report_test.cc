@@ -51,6 +51,15 @@ TEST(FormatProgress, ScalesTheElapsedTimeByTheTasksLeft) {
   EXPECT_EQ(FormatProgress(SomeJob()), "frame 2/6, task 15/30, 30.0 s, about 30.0 s left");
 }
 
+TEST(FormatProgress, ARenderingJobHasParts) {
+  v1::JobStatus job = SomeJob();
+  v1::StageStatus& render = *job.add_stages();
+  render.set_kind(v1::TASK_KIND_RENDER);
+  EXPECT_THAT(FormatProgress(job), HasSubstr("frame 2/6"));
+  render.set_tasks_total(6);
+  EXPECT_THAT(FormatProgress(job), HasSubstr("part 2/6"));
+}
+
 TEST(FormatProgress, MakesNoGuessBeforeThereIsAnythingToGuessFrom) {
   v1::JobStatus job = SomeJob();
   job.mutable_stages(0)->set_tasks_done(0);
