@@ -9,9 +9,27 @@ namespace depthfarm {
 namespace {
 
 constexpr double kHiddenBy = 1;         // pixels of u
+constexpr double kInMidAir = 0.03;      // of rho
 constexpr double kNoiseFloor = 1.5;     // grey levels
 constexpr int kSampleStep = 3;          // pixels between those that the noise is measured on
 constexpr double kMedianOfNorm = 1.54;  // median length of a vector of three normal variables of deviation 1
+
+double MisfitOf(const Colour& own, const OtherView& other, const Seen& seen) {
+  const double t = SquaredDistance(SampleAt(*other.colour, seen.x, seen.y), own) /
+                   (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
+  return t / (1 + t);
+}
+
+// Whether all pixels around where a point appears show what is farther. One that does not is enough to believe in the
+// point: contours of two views do not meet to the pixel.
+bool SeesThrough(const InverseDepthMap& map, const Seen& seen) {
+  const int cx = static_cast<int>(seen.x + 0.5);
+  const int cy = static_cast<int>(seen.y + 0.5);
+  for (int y = std::max(0, cy - 1); y <= std::min(map.height() - 1, cy + 1); ++y)
+    for (int x = std::max(0, cx - 1); x <= std::min(map.width() - 1, cx + 1); ++x)
+      if (map(x, y) >= seen.u_in_other - kHiddenBy) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -55,9 +73,14 @@ double MeasureNoise(const ColourGrid& own, const InverseDepthMap& map, const Oth
 std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u) {
   const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
   if (!seen) return std::nullopt;
-  const double t = SquaredDistance(SampleAt(*other.colour, seen->x, seen->y), own) /
-                   (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
-  return t / (1 + t);
+  return MisfitOf(own, other, *seen);
+}
+
+std::optional<double> MisfitInFreeSpace(const Colour& own, const OtherView& other, double x, double y, double u) {
+  const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
+  if (!seen) return std::nullopt;
+  const double rho = MisfitOf(own, other, *seen);
+  return SeesThrough(*other.map, *seen) ? std::min(1.0, 2 * rho + kInMidAir) : rho;
 }
 
 }  // namespace depthfarm

@@ -45,6 +45,11 @@ struct OtherView {
 // rho of a pixel at u in one other view: 0 (fits) to 1; nullopt where it is not seen.
 [[nodiscard]] std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u);
 
+// The same, but 2 rho + 0.03 (at most 1) where the other view sees through the point: where all 3 x 3 pixels around
+// show what is more than a pixel of u farther. Between two surfaces that fit alike it is not the one in mid-air.
+[[nodiscard]] std::optional<double> MisfitInFreeSpace(const Colour& own, const OtherView& other, double x, double y,
+                                                      double u);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_WORKER_REFINEMENT_OTHER_VIEW_H_

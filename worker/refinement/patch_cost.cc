@@ -37,7 +37,7 @@ const PatchCost::Misfits& PatchCost::MisfitsAt(int x, int y, const SlantedPlane&
   misfits.turn = turn_;
   const double u = plane.At(x, y);
   for (std::size_t i = 0; i < others_.size(); ++i)
-    misfits.rho[i] = Misfit(own_(x, y), others_[i], x, y, u).value_or(kNotSeen);
+    misfits.rho[i] = MisfitInFreeSpace(own_(x, y), others_[i], x, y, u).value_or(kNotSeen);
   return misfits;
 }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdlib>
 
+#include "worker/refinement/symmetric_solve.h"
+
 namespace depthfarm {
 namespace {
 
@@ -24,24 +26,6 @@ struct Link {
 
 // (a, b, u at the centre).
 using Local = std::array<double, 3>;
-
-// H p = r for a symmetric positive definite H (aa ab ac bb bc cc), by its Cholesky factor.
-bool Solve(const std::array<double, 6>& h, const Local& r, Local& p) {
-  const double l00 = std::sqrt(h[0]);
-  const double l10 = h[1] / l00;
-  const double l20 = h[2] / l00;
-  const double l11 = std::sqrt(h[3] - l10 * l10);
-  const double l21 = (h[4] - l20 * l10) / l11;
-  const double l22 = std::sqrt(h[5] - l20 * l20 - l21 * l21);
-  if (!(l00 > 1e-9 && l11 > 1e-9 && l22 > 1e-9)) return false;
-  const double y0 = r[0] / l00;
-  const double y1 = (r[1] - l10 * y0) / l11;
-  const double y2 = (r[2] - l20 * y0 - l21 * y1) / l22;
-  p[2] = y2 / l22;
-  p[1] = (y1 - l21 * p[2]) / l11;
-  p[0] = (y0 - l10 * p[1] - l20 * p[2]) / l00;
-  return true;
-}
 
 std::vector<std::vector<Link>> LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_scale) {
   std::vector<std::vector<Link>> links(start.size());
@@ -109,7 +93,7 @@ void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, d
       r[1] += slope * q[1];
     }
     Local solved{};
-    if (!Solve(h, r, solved)) return;
+    if (!SolveSymmetric(h, r, solved)) return;
     solved[2] = std::clamp(solved[2], p[2] - kMaxStep, p[2] + kMaxStep);
     now[s] = solved;
   };

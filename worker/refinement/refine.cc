@@ -6,7 +6,9 @@
 
 #include "worker/refinement/data_term.h"
 #include "worker/refinement/pixel_choice.h"
+#include "worker/refinement/plain_regions.h"
 #include "worker/refinement/plane_solver.h"
+#include "worker/refinement/region_plane.h"
 #include "worker/refinement/start_view.h"
 #include "worker/refinement/view_geometry.h"
 
@@ -14,6 +16,7 @@ namespace depthfarm {
 namespace {
 
 constexpr int kBlurredRounds = 1;   // on smoothed pictures: a wider basin while levels are coarse
+constexpr int kPlainRound = 1;      // surfaces without texture are decided as a whole
 constexpr int kAgreeingRounds = 2;  // the last ones: with the other views' depth and with a choice for each pixel
 constexpr double kFirstGapScale = 1;
 constexpr double kLastGapScale = 0.2;
@@ -55,6 +58,25 @@ Status CheckInputs(const ResolvedJob& job, int view, const FrameAnalysis& analys
     DEPTHFARM_RETURN_IF_ERROR(CheckRefined(*analysis[o], *before[o]).WithContext("camera '" + camera.name + "'"));
   }
   return {};
+}
+
+// Surfaces without texture, each as a whole. `blurred`: whether `own` and the colours of `others` are smoothed already.
+void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const ColourGrid& own,
+                   std::span<const OtherView> others, bool blurred, RefinedView& refined, const std::stop_token& stop) {
+  const auto plain_of = [&](const ColourGrid& colours, std::size_t of) {
+    return PlainSegments(blurred ? colours : Blurred(colours), analysis[of]->segments);
+  };
+  const SegmentMap& segments = analysis[view]->segments;
+  const std::vector<PlainRegion> regions = FindPlainRegions(segments, plain_of(own, view), refined);
+  if (regions.empty()) return;
+  std::vector<InverseDepthMap> occluders;
+  for (const OtherView& other : others) {
+    const auto of = static_cast<std::size_t>(other.pair->other);
+    occluders.push_back(Occluders(*other.map, analysis[of]->segments.labels, plain_of(*other.colour, of)));
+  }
+  std::vector<OtherView> in_front(others.begin(), others.end());
+  for (std::size_t i = 0; i < in_front.size(); ++i) in_front[i].map = &occluders[i];
+  DecidePlainRegions(own, segments, regions, in_front, refined, stop);
 }
 
 }  // namespace
@@ -122,7 +144,7 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
     return blur ? Blurred(colours) : colours;
   };
   const ColourGrid own = colours_of(analysis[v]->picture);
-  const InverseDepthMap map = before[v]->Map();
+  InverseDepthMap map = before[v]->Map();
 
   std::vector<ColourGrid> colours;
   std::vector<InverseDepthMap> maps;
@@ -141,6 +163,11 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
 
   RefinedView refined = *before[v];
   const SegmentMap& segments = analysis[v]->segments;
+  if (round == kPlainRound) {
+    DecideRegions(analysis, static_cast<std::size_t>(view), own, others, blur, refined, stop);
+    if (stop.stop_requested()) return Cancelled();
+    map = refined.Map();
+  }
   std::vector<NormalEquations> data = DataTerm(own, refined, map, segments.centers, others, blur, stop);
   if (agree) AddAgreement(*before[v], segments.centers, others, data);
   if (stop.stop_requested()) return Cancelled();

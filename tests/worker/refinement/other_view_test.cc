@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/worker/refinement/two_views.h"
 
 namespace depthfarm {
@@ -45,6 +47,16 @@ TEST(Misfit, IsNoneAtTheTruthAndGrowsToOne) {
   EXPECT_GT(misfit(5.5), misfit(5.1));
   EXPECT_GT(misfit(8), misfit(5.5));
   EXPECT_LE(misfit(8), 1);
+}
+
+TEST(MisfitInFreeSpace, IsHigherWhereTheOtherViewSeesThrough) {
+  TwoViews views(5);
+  const Colour& own = views.own(20, 15);
+  EXPECT_EQ(MisfitInFreeSpace(own, views.Other(), 20, 15, 5.5), Misfit(own, views.Other(), 20, 15, 5.5));
+  const double in_mid_air = Misfit(own, views.Other(), 20, 15, 6.5).value();
+  EXPECT_DOUBLE_EQ(MisfitInFreeSpace(own, views.Other(), 20, 15, 6.5).value(), std::min(1.0, 2 * in_mid_air + 0.03));
+  views.there_map(14, 16) = 6;  // (20 - 6.5, 15) is the pixel (14, 15): one beside it is as near
+  EXPECT_EQ(MisfitInFreeSpace(own, views.Other(), 20, 15, 6.5), in_mid_air);
 }
 
 TEST(MeasureNoise, IsTheFloorWhereAllFits) {

@@ -23,7 +23,7 @@ double CostPlainly(const ColourGrid& own, const std::vector<OtherView>& others, 
     for (int y = y0 - 1; y <= y0 + 1; ++y) {
       for (int x = x0 - 1; x <= x0 + 1; ++x) {
         if (!own.Contains(x, y)) continue;
-        const std::optional<double> rho = Misfit(own(x, y), other, x, y, plane.At(x, y));
+        const std::optional<double> rho = MisfitInFreeSpace(own(x, y), other, x, y, plane.At(x, y));
         if (!rho) continue;
         sum += ColourWeight(own(x, y), own(x0, y0)) * *rho;
         weights += ColourWeight(own(x, y), own(x0, y0));

@@ -1,0 +1,68 @@
+#include "worker/refinement/region_plane.h"
+
+#include <gtest/gtest.h>
+
+#include <stop_token>
+
+#include "tests/worker/refinement/plain_scene.h"
+
+namespace depthfarm {
+namespace {
+
+RefinedView Decided(const PlainScene& scene, RefinedView view, const std::stop_token& stop = {}) {
+  const std::vector<PlainRegion> regions = FindPlainRegions(scene.segments, scene.Plain(), view);
+  const std::vector<OtherView> others = scene.Others();
+  DecidePlainRegions(scene.own, scene.segments, regions, others, view, stop);
+  return view;
+}
+
+// Depth of the view at the centres of the board's segments.
+void ExpectBoardAt(const PlainScene& scene, const RefinedView& view, double u) {
+  for (std::size_t s = 0; s < view.num_segments(); ++s) {
+    const auto [x, y] = scene.segments.centers[s];
+    if (!PlainScene::OnBoard(x, y) || PlainScene::AtCorner(x, y)) continue;
+    EXPECT_NEAR(view.planes[s].At(x, y), u, 0.2) << x << "," << y;
+  }
+}
+
+// A plate behind the wall is cheap for the cut and looks right from the middle of it.
+TEST(DecidePlainRegions, ABoardOnAWallHasTheWallsDepth) {
+  const PlainScene scene(PlainScene::kWall);
+  for (const double guess : {2.0, 3.0, 6.0}) ExpectBoardAt(scene, Decided(scene, scene.View(guess)), PlainScene::kWall);
+}
+
+TEST(DecidePlainRegions, ABoardBeforeAWallStaysThere) {
+  const PlainScene scene(9);
+  ExpectBoardAt(scene, Decided(scene, scene.View(9)), 9);
+}
+
+// Beside a rod the wall is hidden in one view or the other, so the rod's depth fits better there than the true one.
+TEST(DecidePlainRegions, ABoardBehindARodDoesNotTakeItsDepth) {
+  const PlainScene scene(PlainScene::kWall, true);
+  const RefinedView decided = Decided(scene, scene.View(PlainScene::kRod - 0.2));
+  int board = 0;
+  for (std::size_t s = 0; s < decided.num_segments(); ++s) {
+    const auto [x, y] = scene.segments.centers[s];
+    if (!PlainScene::OnBoard(x, y) || PlainScene::AtCorner(x, y) || (x >= 55 && x < 68)) continue;
+    EXPECT_NEAR(decided.planes[s].At(x, y), PlainScene::kWall, 0.2) << x << "," << y;
+    ++board;
+  }
+  EXPECT_GT(board, 60);
+}
+
+TEST(DecidePlainRegions, KeptSegmentsStay) {
+  const PlainScene scene(PlainScene::kWall);
+  RefinedView view = scene.View(2);
+  view.kept.assign(view.kept.size(), 1);
+  EXPECT_EQ(Decided(scene, view), view);
+}
+
+TEST(DecidePlainRegions, EndsEarlyWhenAskedTo) {
+  const PlainScene scene(PlainScene::kWall);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(Decided(scene, scene.View(2), stop.get_token()), scene.View(2));
+}
+
+}  // namespace
+}  // namespace depthfarm

@@ -1,0 +1,162 @@
+#include "worker/refinement/plain_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <iterator>
+#include <utility>
+
+namespace depthfarm {
+namespace {
+
+constexpr double kPlain = 1.5;       // grey levels a pixel: root mean square of the gradient over Y, Cb, Cr
+constexpr double kAlike = 12;        // grey levels, summed over Y, Cb, Cr, between neighbours of a region
+constexpr double kAlikeAtEdge = 40;  // of a mixture at its edge, against the region's mean
+constexpr double kSameDepth = 0.6;   // pixels of u
+constexpr std::size_t kFewestSegments = 12;
+constexpr int kSpread = 2;         // pixels
+constexpr float kNothing = -1e9F;  // u of what hides nothing
+
+constexpr std::int32_t kNoRegion = -1;
+
+double Difference(const MeanColor& a, const MeanColor& b) {
+  return static_cast<double>(std::abs(a.y - b.y) + std::abs(a.cb - b.cb) + std::abs(a.cr - b.cr)) / kMeanColorScale;
+}
+
+class Regions {
+ public:
+  Regions(const SegmentMap& segments, std::span<const std::uint8_t> plain, const RefinedView& view)
+      : segments_(segments), plain_(plain), view_(view), adjacent_(plain.size()), region_of_(plain.size(), kNoRegion) {
+    for (const auto& [s, t] : segments.adjacency) {
+      adjacent_[s].push_back(t);
+      adjacent_[t].push_back(s);
+    }
+  }
+
+  std::vector<PlainRegion> Find() {
+    std::vector<PlainRegion> regions;
+    for (SegmentIndex seed = 0; seed < plain_.size(); ++seed) {
+      if (!MayGrow(seed)) continue;
+      PlainRegion region{.segments = Grow(seed), .beside = {}, .rim = {}, .behind = {}};
+      ++next_;
+      if (region.segments.size() >= kFewestSegments) regions.push_back(std::move(region));
+    }
+    for (PlainRegion& region : regions) AddEdge(region);
+    for (PlainRegion& region : regions) FindRim(region);
+    std::erase_if(regions, [](const PlainRegion& region) { return region.rim.empty(); });
+    return regions;
+  }
+
+ private:
+  [[nodiscard]] bool MayGrow(SegmentIndex s) const {
+    return plain_[s] != 0 && view_.kept[s] == 0 && region_of_[s] == kNoRegion;
+  }
+
+  std::vector<SegmentIndex> Grow(SegmentIndex seed) {
+    std::vector<SegmentIndex> members{seed};
+    region_of_[seed] = next_;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      for (const SegmentIndex t : adjacent_[members[i]]) {
+        if (!MayGrow(t) || Difference(segments_.means[members[i]], segments_.means[t]) > kAlike) continue;
+        region_of_[t] = next_;
+        members.push_back(t);
+      }
+    }
+    return members;
+  }
+
+  void AddEdge(PlainRegion& region) {
+    double y = 0, cb = 0, cr = 0;
+    for (const SegmentIndex s : region.segments) {
+      y += segments_.means[s].y;
+      cb += segments_.means[s].cb;
+      cr += segments_.means[s].cr;
+    }
+    const auto count = static_cast<double>(region.segments.size());
+    const auto difference = [&](const MeanColor& c) {
+      return (std::abs(y / count - c.y) + std::abs(cb / count - c.cb) + std::abs(cr / count - c.cr)) / kMeanColorScale;
+    };
+    for (std::size_t i = 0, end = region.segments.size(); i < end; ++i) {
+      const SegmentIndex s = region.segments[i];
+      for (const SegmentIndex t : adjacent_[s]) {
+        if (region_of_[t] != kNoRegion || view_.kept[t] != 0 || difference(segments_.means[t]) > kAlikeAtEdge) continue;
+        const auto [cx, cy] = segments_.centers[t];
+        if (std::abs(view_.planes[t].At(cx, cy) - view_.planes[s].At(cx, cy)) > kSameDepth) continue;
+        region_of_[t] = region_of_[s];
+        region.segments.push_back(t);
+      }
+    }
+  }
+
+  void FindRim(PlainRegion& region) const {
+    const std::int32_t own = region_of_[region.segments.front()];
+    const auto known = [&](SegmentIndex s) { return region_of_[s] != own && (plain_[s] == 0 || view_.kept[s] != 0); };
+    for (const SegmentIndex s : region.segments) {
+      for (const SegmentIndex t : adjacent_[s]) {
+        if (region_of_[t] != own) region.beside.push_back(t);
+        if (!known(t)) continue;
+        region.rim.push_back(t);
+        std::copy_if(adjacent_[t].begin(), adjacent_[t].end(), std::back_inserter(region.behind), known);
+      }
+    }
+  }
+
+  const SegmentMap& segments_;
+  std::span<const std::uint8_t> plain_;
+  const RefinedView& view_;
+  std::vector<std::vector<SegmentIndex>> adjacent_;
+  std::vector<std::int32_t> region_of_;
+  std::int32_t next_ = 0;
+};
+
+// Each pixel the largest of those up to `radius` away along one axis.
+InverseDepthMap SpreadAlong(const InverseDepthMap& map, int dx, int dy) {
+  InverseDepthMap spread(map.width(), map.height(), kNothing);
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      for (int k = -kSpread; k <= kSpread; ++k) {
+        if (map.Contains(x + k * dx, y + k * dy)) spread(x, y) = std::max(spread(x, y), map(x + k * dx, y + k * dy));
+      }
+    }
+  }
+  return spread;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> PlainSegments(const ColourGrid& smoothed, const SegmentMap& segments) {
+  std::vector<std::uint8_t> plain(segments.centers.size());
+  for (std::size_t s = 0; s < plain.size(); ++s) {
+    const auto [cx, cy] = segments.centers[s];
+    double sum = 0;
+    int pixels = 0;
+    for (int y = std::max(1, cy - 1); y <= std::min(smoothed.height() - 2, cy + 1); ++y) {
+      for (int x = std::max(1, cx - 1); x <= std::min(smoothed.width() - 2, cx + 1); ++x) {
+        for (int i = 0; i < 3; ++i) {
+          const double gx = 0.5 * (smoothed(x + 1, y)[i] - smoothed(x - 1, y)[i]);
+          const double gy = 0.5 * (smoothed(x, y + 1)[i] - smoothed(x, y - 1)[i]);
+          sum += gx * gx + gy * gy;
+        }
+        ++pixels;
+      }
+    }
+    plain[s] = pixels > 0 && std::sqrt(sum / pixels) < kPlain ? 1 : 0;
+  }
+  return plain;
+}
+
+std::vector<PlainRegion> FindPlainRegions(const SegmentMap& segments, std::span<const std::uint8_t> plain,
+                                          const RefinedView& view) {
+  return Regions(segments, plain, view).Find();
+}
+
+InverseDepthMap Occluders(const InverseDepthMap& map, const Grid<SegmentIndex>& labels,
+                          std::span<const std::uint8_t> plain) {
+  InverseDepthMap known = map;
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (plain[labels.values()[i]] != 0) known.values()[i] = kNothing;
+  return SpreadAlong(SpreadAlong(known, 1, 0), 0, 1);
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,267 @@
+#include "worker/refinement/region_plane.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "worker/refinement/symmetric_solve.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr double kDistinct = 0.15;  // pixels of u at the region's centre between candidates
+constexpr double kAlike = 40;       // grey levels, summed over Y, Cb, Cr: of a pixel and the region
+constexpr double kNearer = 2;       // pixels of u: beyond the far side by more is an occluder
+constexpr int kBesideOccluder = 3;  // pixels that its mixed colours may reach
+constexpr std::size_t kFewestPixels = 50;
+constexpr std::size_t kMostPixels = 8000;  // that a region is judged by
+constexpr double kSupports = 0.35;         // pixels of u: a segment of the rim lies on a plane
+constexpr double kLeastSupport = 0.05;     // of the rim
+constexpr double kAsGood = 0.2;            // of misfit for each segment of the rim
+constexpr double kMostUnseen = 0.5;        // of the region
+constexpr double kPlate = 0.9;             // of the region on one plane
+constexpr std::size_t kFewestForFit = 4;
+constexpr double kFitUnit = 100;   // pixels
+constexpr double kFitRidge = 0.1;  // towards no slope, where a rim is nearly a line; of the weights, per unit
+
+double CentreDepth(const SlantedPlane& plane, const PixelPosition& center) { return plane.At(center.x, center.y); }
+
+// The far side of what surrounds a region: an eighth of it lies farther. Reorders the values.
+double FarSide(std::vector<double>& values) {
+  const auto far = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 8);
+  std::nth_element(values.begin(), far, values.end());
+  return *far;
+}
+
+struct Candidate {
+  SlantedPlane plane;
+  double u = 0;             // at the region's centre
+  std::size_t support = 0;  // segments of the rim that lie on it
+  double cost = 0;          // misfits of the region's pixels, summed
+  std::size_t unseen = 0;   // pixels that no other view sees
+};
+
+// One region of a view.
+class Decision {
+ public:
+  Decision(const ColourGrid& own, const SegmentMap& segments, const PlainRegion& region,
+           std::span<const OtherView> others, const RefinedView& view)
+      : own_(own), segments_(segments), region_(region), others_(others), view_(view) {}
+
+  // `pixels`: the region's, in any fixed order.
+  std::optional<SlantedPlane> Make(std::vector<PixelPosition> pixels) {
+    for (const auto& [x, y] : pixels) {
+      center_x_ += x;
+      center_y_ += y;
+    }
+    center_x_ /= static_cast<double>(pixels.size());
+    center_y_ /= static_cast<double>(pixels.size());
+    pixels_ = AwayFromOccluders(OfItsColour(std::move(pixels)));
+    if (pixels_.size() < kFewestPixels) return std::nullopt;
+    std::vector<Candidate> candidates = Candidates();
+    for (Candidate& candidate : candidates) Judge(candidate);
+    const Candidate* chosen = Choose(candidates);
+    if (chosen == nullptr) return std::nullopt;
+    if (!IsPlate() && CurrentCost() <= chosen->cost + Tolerance()) return std::nullopt;
+    return chosen->plane;
+  }
+
+ private:
+  [[nodiscard]] double Tolerance() const { return kAsGood * static_cast<double>(region_.rim.size()); }
+  [[nodiscard]] double DepthOf(SegmentIndex s) const { return CentreDepth(view_.planes[s], segments_.centers[s]); }
+
+  // Segments at the edge hold pixels of what is behind.
+  [[nodiscard]] std::vector<PixelPosition> OfItsColour(std::vector<PixelPosition> pixels) const {
+    std::array<double, 3> mean{};
+    for (const auto& [x, y] : pixels)
+      for (std::size_t i = 0; i < 3; ++i) mean[i] += own_(x, y)[i];
+    for (double& value : mean) value /= static_cast<double>(pixels.size());
+    std::erase_if(pixels, [&](const PixelPosition& p) {
+      double difference = 0;
+      for (std::size_t i = 0; i < 3; ++i) difference += std::abs(own_(p.x, p.y)[i] - mean[i]);
+      return difference > kAlike;
+    });
+    return pixels;
+  }
+
+  // What mixes its colours with those of something nearer says nothing of the region.
+  [[nodiscard]] std::vector<PixelPosition> AwayFromOccluders(std::vector<PixelPosition> pixels) const {
+    std::vector<double> around;
+    for (const SegmentIndex t : region_.beside) around.push_back(DepthOf(t));
+    const double bound = FarSide(around) + kNearer;
+    std::vector<std::uint8_t> occludes(segments_.centers.size());
+    for (const SegmentIndex t : region_.beside) occludes[t] = DepthOf(t) > bound ? 1 : 0;
+    const Grid<SegmentIndex>& labels = segments_.labels;
+    std::erase_if(pixels, [&](const PixelPosition& p) {
+      for (int y = std::max(0, p.y - kBesideOccluder); y <= std::min(labels.height() - 1, p.y + kBesideOccluder); ++y)
+        for (int x = std::max(0, p.x - kBesideOccluder); x <= std::min(labels.width() - 1, p.x + kBesideOccluder); ++x)
+          if (occludes[labels(x, y)] != 0) return true;
+      return false;
+    });
+    return pixels;
+  }
+
+  // The planes on and behind the rim, one through the rim's far side, and those that the region has.
+  [[nodiscard]] std::vector<Candidate> Candidates() const {
+    std::vector<Candidate> candidates;
+    const auto offer = [&](const SlantedPlane& plane) {
+      const double u = plane.At(center_x_, center_y_);
+      const auto close = [&](const Candidate& other) { return std::abs(other.u - u) < kDistinct; };
+      if (std::none_of(candidates.begin(), candidates.end(), close)) candidates.push_back({.plane = plane, .u = u});
+    };
+    for (const SegmentIndex t : region_.rim) offer(view_.planes[t]);
+    for (const SegmentIndex t : region_.behind) offer(view_.planes[t]);
+    for (const SegmentIndex s : region_.segments) offer(view_.planes[s]);
+    if (const auto fit = FitToRim()) candidates.push_back({.plane = *fit, .u = fit->At(center_x_, center_y_)});
+    for (Candidate& candidate : candidates) {
+      for (const SegmentIndex t : region_.rim) {
+        const double gap = CentreDepth(candidate.plane, segments_.centers[t]) - DepthOf(t);
+        candidate.support += std::abs(gap) < kSupports ? 1 : 0;
+      }
+    }
+    return candidates;
+  }
+
+  // Robust least squares in a few rounds of weights.
+  [[nodiscard]] std::optional<SlantedPlane> FitToRim() const {
+    if (region_.rim.size() < kFewestForFit) return std::nullopt;
+    std::vector<double> depths;
+    for (const SegmentIndex t : region_.rim) depths.push_back(DepthOf(t));
+    const double bound = FarSide(depths) + kNearer;
+    constexpr int kRounds = 8;
+    std::array<double, 3> fit{};  // u = fit . ((x - cx) / unit, (y - cy) / unit, 1)
+    for (int round = 0; round < kRounds; ++round) {
+      const double scale = round < 3 ? 1.0 : 0.4;  // pixels of u
+      std::array<double, 6> h{};
+      std::array<double, 3> r{};
+      double weights = 0;
+      for (const SegmentIndex t : region_.rim) {
+        const double u = DepthOf(t);
+        if (u > bound) continue;
+        const double x = (segments_.centers[t].x - center_x_) / kFitUnit;
+        const double y = (segments_.centers[t].y - center_y_) / kFitUnit;
+        const double e = (u - (fit[0] * x + fit[1] * y + fit[2])) / scale;
+        const double w = round == 0 ? 1 : 1 / ((1 + e * e) * (1 + e * e));
+        h[0] += w * x * x;
+        h[1] += w * x * y;
+        h[2] += w * x;
+        h[3] += w * y * y;
+        h[4] += w * y;
+        h[5] += w;
+        r[0] += w * x * u;
+        r[1] += w * y * u;
+        r[2] += w * u;
+        weights += w;
+      }
+      h[0] += kFitRidge * weights;
+      h[3] += kFitRidge * weights;
+      if (!SolveSymmetric(h, r, fit)) return std::nullopt;
+    }
+    const double a = fit[0] / kFitUnit;
+    const double b = fit[1] / kFitUnit;
+    return SlantedPlane{static_cast<float>(a), static_cast<float>(b),
+                        static_cast<float>(fit[2] - a * center_x_ - b * center_y_)};
+  }
+
+  [[nodiscard]] std::size_t Step() const { return std::max<std::size_t>(1, pixels_.size() / kMostPixels); }
+
+  // Mean misfit of a pixel over the views that see it.
+  [[nodiscard]] std::optional<double> MisfitAt(const PixelPosition& p, double u) const {
+    double sum = 0;
+    int views = 0;
+    for (const OtherView& other : others_) {
+      const auto rho = Misfit(own_(p.x, p.y), other, p.x, p.y, u);
+      if (!rho) continue;
+      sum += *rho;
+      ++views;
+    }
+    if (views == 0) return std::nullopt;
+    return sum / views;
+  }
+
+  void Judge(Candidate& candidate) const {
+    for (std::size_t i = 0; i < pixels_.size(); i += Step()) {
+      const auto misfit = MisfitAt(pixels_[i], candidate.plane.At(pixels_[i].x, pixels_[i].y));
+      candidate.cost += misfit.value_or(0);
+      candidate.unseen += misfit ? 0 : 1;
+    }
+    candidate.cost *= static_cast<double>(Step());
+    candidate.unseen *= Step();
+  }
+
+  [[nodiscard]] double CurrentCost() const {
+    double cost = 0;
+    for (std::size_t i = 0; i < pixels_.size(); i += Step())
+      cost += MisfitAt(pixels_[i], view_.At(pixels_[i].x, pixels_[i].y)).value_or(0);
+    return cost * static_cast<double>(Step());
+  }
+
+  [[nodiscard]] const Candidate* Choose(std::vector<Candidate>& candidates) const {
+    const auto possible = [&](const Candidate& c) {
+      return static_cast<double>(c.unseen) < kMostUnseen * static_cast<double>(pixels_.size());
+    };
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.u < b.u; });
+    const Candidate* best = nullptr;
+    for (const Candidate& c : candidates)
+      if (possible(c) && (best == nullptr || c.cost < best->cost)) best = &c;
+    if (best == nullptr) return nullptr;
+    const Candidate* chosen = nullptr;
+    for (const Candidate& c : candidates) {
+      const bool supported = static_cast<double>(c.support) >= kLeastSupport * static_cast<double>(region_.rim.size());
+      if (!possible(c) || c.cost > best->cost + Tolerance() || !supported) continue;
+      if (chosen == nullptr || (c.u <= chosen->u + kNearer && c.support > chosen->support)) chosen = &c;
+    }
+    return chosen != nullptr ? chosen : best;
+  }
+
+  [[nodiscard]] bool IsPlate() const {
+    std::vector<double> depths;
+    for (const SegmentIndex s : region_.segments) depths.push_back(view_.planes[s].At(center_x_, center_y_));
+    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+    std::nth_element(depths.begin(), middle, depths.end());
+    const double median = *middle;
+    const auto same =
+        std::count_if(depths.begin(), depths.end(), [&](double u) { return std::abs(u - median) < kDistinct; });
+    return static_cast<double>(same) >= kPlate * static_cast<double>(depths.size());
+  }
+
+  const ColourGrid& own_;
+  const SegmentMap& segments_;
+  const PlainRegion& region_;
+  std::span<const OtherView> others_;
+  const RefinedView& view_;
+  std::vector<PixelPosition> pixels_;
+  double center_x_ = 0;
+  double center_y_ = 0;
+};
+
+}  // namespace
+
+void DecidePlainRegions(const ColourGrid& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
+                        std::span<const OtherView> others, RefinedView& view, const std::stop_token& stop) {
+  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> region_of(segments.centers.size(), kNone);
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    for (const SegmentIndex s : regions[r].segments) region_of[s] = r;
+  std::vector<std::vector<PixelPosition>> pixels(regions.size());
+  for (int y = 0; y < segments.labels.height(); ++y) {
+    for (int x = 0; x < segments.labels.width(); ++x) {
+      const std::size_t region = region_of[segments.labels(x, y)];
+      if (region != kNone) pixels[region].push_back({x, y});
+    }
+  }
+  const RefinedView before = view;  // so that the order of regions changes nothing
+  for (std::size_t r = 0; r < regions.size() && !stop.stop_requested(); ++r) {
+    const auto plane = Decision(own, segments, regions[r], others, before).Make(std::move(pixels[r]));
+    if (!plane) continue;
+    for (const SegmentIndex s : regions[r].segments) view.planes[s] = *plane;
+  }
+}
+
+}  // namespace depthfarm

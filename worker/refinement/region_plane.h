@@ -1,0 +1,25 @@
+#ifndef DEPTHFARM_WORKER_REFINEMENT_REGION_PLANE_H_
+#define DEPTHFARM_WORKER_REFINEMENT_REGION_PLANE_H_
+
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "worker/refinement/other_view.h"
+#include "worker/refinement/plain_regions.h"
+
+namespace depthfarm {
+
+// Decides the depth of surfaces without texture, each as a whole. Segment by segment nothing tells how deep they are:
+// the cut gives them any one level, for a plate pays only at its rim, and there the colour edge makes it cheap. All
+// pixels of a region together do tell, by those along its edges: on a wrong plane they appear beside the edge in the
+// other views. So a region takes the plane, of those around it, that fits the other views best; of planes that fit
+// alike, one that continues what lies around it on the far side. What varies already (a curved or slanted surface)
+// needs evidence. `others`: their maps are Occluders. Ends early, with some regions not decided, once `stop` is
+// requested.
+void DecidePlainRegions(const ColourGrid& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
+                        std::span<const OtherView> others, RefinedView& view, const std::stop_token& stop = {});
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_REFINEMENT_REGION_PLANE_H_
