@@ -14,6 +14,12 @@ constexpr double kNoiseFloor = 1.5;     // grey levels
 constexpr int kSampleStep = 3;          // pixels between those that the noise is measured on
 constexpr double kMedianOfNorm = 1.54;  // median length of a vector of three normal variables of deviation 1
 
+// Of a position that is not negative; std::lround is a call.
+int Nearest(double position) {
+  const double half_up = position + 0.5;
+  return static_cast<int>(half_up);
+}
+
 double MisfitOf(const Colour& own, const OtherView& other, const Seen& seen) {
   const double t = SquaredDistance(SampleAt(*other.colour, seen.x, seen.y), own) /
                    (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
@@ -23,8 +29,8 @@ double MisfitOf(const Colour& own, const OtherView& other, const Seen& seen) {
 // Whether all pixels around where a point appears show what is farther. One that does not is enough to believe in the
 // point: contours of two views do not meet to the pixel.
 bool SeesThrough(const InverseDepthMap& map, const Seen& seen) {
-  const int cx = static_cast<int>(seen.x + 0.5);
-  const int cy = static_cast<int>(seen.y + 0.5);
+  const int cx = Nearest(seen.x);
+  const int cy = Nearest(seen.y);
   for (int y = std::max(0, cy - 1); y <= std::min(map.height() - 1, cy + 1); ++y)
     for (int x = std::max(0, cx - 1); x <= std::min(map.width() - 1, cx + 1); ++x)
       if (map(x, y) >= seen.u_in_other - kHiddenBy) return false;
@@ -43,7 +49,7 @@ std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& othe
   if (!(seen.x >= 0 && seen.y >= 0 && seen.x <= other_map.width() - 1 && seen.y <= other_map.height() - 1))
     return std::nullopt;
   seen.u_in_other = pair.other_scale * u / qz;
-  const float there = other_map(static_cast<int>(seen.x + 0.5), static_cast<int>(seen.y + 0.5));
+  const float there = other_map(Nearest(seen.x), Nearest(seen.y));
   if (there > seen.u_in_other + kHiddenBy) return std::nullopt;
   seen.dx = (pair.e[0] - seen.x * pair.e[2]) / qz;
   seen.dy = (pair.e[1] - seen.y * pair.e[2]) / qz;
