@@ -45,7 +45,8 @@ class Setup:
     def where(self, scenes: list[SceneSpec]) -> str:
         """The data of an experiment on single frames."""
         sizes = ", ".join(sorted({scene.size for scene in scenes}))
-        return f"{len(scenes)} scenes of {self.list_name} ({sizes}), one frame each"
+        count = "One scene" if len(scenes) == 1 else f"{len(scenes)} scenes"
+        return f"{count} of {self.list_name} ({sizes}), one frame each"
 
     def where_videos(self) -> str:
         """The data of an experiment on sequences."""
