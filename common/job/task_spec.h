@@ -80,7 +80,7 @@ struct TaskStats {
   double fetch_seconds = 0;             // waiting for inputs
   std::uint64_t fetched_bytes = 0;      // from other workers
   std::uint32_t sweeps = 0;             // Estimate
-  std::int64_t energy = 0;              // Estimate, Merge: E of eq. (1), energy units
+  std::int64_t energy = 0;              // Estimate, Merge: E of eq. (1), less constants of the frame; energy units
   std::uint32_t nodes = 0;              // Estimate: segments with a node (not unchanged)
   std::uint32_t segments = 0;           // Analyse: actual; Estimate: of all views
   bool reused = false;                  // the artifact was there already

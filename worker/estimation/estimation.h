@@ -14,6 +14,8 @@
 
 namespace depthfarm {
 
+class RewardFloors;
+
 // The analyses of all views of a frame, in the job's order.
 using FrameAnalysis = std::vector<std::shared_ptr<const ViewAnalysis>>;
 
@@ -24,8 +26,6 @@ struct TemporalReferences {
   FrameAnalysis i_analysis;
   std::shared_ptr<const LabelField> i_labels;
 };
-
-class RewardFloors;
 
 // What an estimation did, for status and logs.
 struct EstimationStats {

@@ -86,8 +86,7 @@ Choice CandidatesAt(const RefinedView& view, int x, int y) {
 }
 
 // Plane by plane, as PatchCost asks for.
-void FillCosts(const ColourGrid& own, std::span<const OtherView> others, const RefinedView& view,
-               std::vector<Choice>& choices, const std::stop_token& stop) {
+void FillCosts(const RefinedView& view, PatchCost& cost, std::vector<Choice>& choices, const std::stop_token& stop) {
   struct Candidate {
     PlaneIndex plane = 0;
     std::uint32_t choice = 0;
@@ -101,7 +100,6 @@ void FillCosts(const ColourGrid& own, std::span<const OtherView> others, const R
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.plane, a.choice) < std::tie(b.plane, b.choice);
   });
-  PatchCost cost(own, others);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (i % kCostsBetweenStopChecks == 0 && stop.stop_requested()) return;
     const auto& [plane, c, index] = candidates[i];
@@ -157,11 +155,12 @@ Grid<std::uint8_t> NearChanges(const std::vector<Choice>& choices, const Refined
 
 void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
                   RefinedView& view, const std::stop_token& stop) {
+  PatchCost cost(own, others);  // of all passes: planes and maps stay, only who has which plane changes
   Grid<std::uint8_t> open = JumpBand(view.Map());
   for (int pass = 0; pass < kMostPasses && !stop.stop_requested(); ++pass) {
     std::vector<Choice> choices = ChoicesAt(open, segments, view);
     if (choices.empty()) return;
-    FillCosts(own, others, view, choices, stop);
+    FillCosts(view, cost, choices, stop);
     if (stop.stop_requested()) return;
     for (int sweep = 0; sweep < kSweeps; ++sweep)
       for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(own, view, choice);

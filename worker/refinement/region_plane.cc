@@ -19,7 +19,7 @@ constexpr double kAlike = 40;       // grey levels, summed over Y, Cb, Cr: of a 
 constexpr double kNearer = 2;       // pixels of u: beyond the far side by more is an occluder
 constexpr int kBesideOccluder = 3;  // pixels that its mixed colours may reach
 constexpr std::size_t kFewestPixels = 50;
-constexpr std::size_t kMostPixels = 8000;  // that a region is judged by
+constexpr std::size_t kManyPixels = 8000;  // of a region k times as large every k-th is judged
 constexpr double kSupports = 0.35;         // pixels of u: a segment of the rim lies on a plane
 constexpr double kLeastSupport = 0.05;     // of the rim
 constexpr double kAsGood = 0.2;            // of misfit for each segment of the rim
@@ -94,6 +94,7 @@ class Decision {
     std::vector<double> around;
     for (const SegmentIndex t : region_.beside) around.push_back(DepthOf(t));
     const double bound = FarSide(around) + kNearer;
+    if (std::none_of(around.begin(), around.end(), [&](double u) { return u > bound; })) return pixels;
     std::vector<std::uint8_t> occludes(segments_.centers.size());
     for (const SegmentIndex t : region_.beside) occludes[t] = DepthOf(t) > bound ? 1 : 0;
     const Grid<SegmentIndex>& labels = segments_.labels;
@@ -168,7 +169,7 @@ class Decision {
                         static_cast<float>(fit[2] - a * center_x_ - b * center_y_)};
   }
 
-  [[nodiscard]] std::size_t Step() const { return std::max<std::size_t>(1, pixels_.size() / kMostPixels); }
+  [[nodiscard]] std::size_t Step() const { return std::max<std::size_t>(1, pixels_.size() / kManyPixels); }
 
   // Mean misfit of a pixel over the views that see it.
   [[nodiscard]] std::optional<double> MisfitAt(const PixelPosition& p, double u) const {
