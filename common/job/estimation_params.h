@@ -48,7 +48,7 @@ struct EstimationParams {
   bool operator==(const EstimationParams&) const = default;
 };
 
-// "default" or "paper" (the paper to the letter: 250 levels, n = 1, no refinement); kInvalidArgument lists the names.
+// "default" or "paper" (the published method: 250 levels, n = 1, no refinement); kInvalidArgument lists the names.
 [[nodiscard]] Result<EstimationParams> Preset(const std::string& name);
 
 }  // namespace depthfarm

@@ -19,6 +19,15 @@ constexpr long long kSmallProblem =
     2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
 
+// For messages: the first few, with commas.
+std::string CameraNames(const Sequence& sequence) {
+  constexpr std::size_t kMost = 12;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(sequence.cameras.size(), kMost); ++i)
+    names += (i == 0 ? "" : ", ") + sequence.cameras[i].camera.name;
+  return names + (sequence.cameras.size() > kMost ? ", ..." : "");
+}
+
 Result<std::vector<const SequenceCamera*>> SelectViews(const Sequence& sequence, const EstimationParams& params) {
   std::vector<const SequenceCamera*> selected;
   for (const SequenceCamera& camera : sequence.cameras) {
@@ -31,7 +40,10 @@ Result<std::vector<const SequenceCamera*>> SelectViews(const Sequence& sequence,
   for (const std::string& name : params.views) {
     const bool known = std::any_of(sequence.cameras.begin(), sequence.cameras.end(),
                                    [&](const SequenceCamera& camera) { return camera.camera.name == name; });
-    if (!known) return InvalidArgument("views names '" + name + "', which is no camera of the sequence");
+    if (!known) {
+      return InvalidArgument("views names '" + name + "', which is no camera of the sequence: it has " +
+                             CameraNames(sequence));
+    }
   }
   if (selected.size() < 2) {
     return InvalidArgument("depth needs at least two views with pictures, there are " +

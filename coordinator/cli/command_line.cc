@@ -37,7 +37,7 @@ constexpr auto kMediaCommands = std::to_array<MediaCommand>({
 void AddEstimationOptions(CLI::App& app, EstimationArguments& estimation) {
   const char* group = "Estimation options";
   app.add_option("--preset", estimation.preset,
-                 "Values to start from: default, or paper (250 levels, n = 1, the paper to the letter)")
+                 "Values to start from: default, or paper (the published method: 250 levels, n = 1, no refinement)")
       ->type_name("default|paper")
       ->group(group);
   app.add_option(

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,15 @@ TEST(ResolveJobErrors, ParametersOutsideTheirBounds) {
 }
 
 TEST(ResolveJobErrors, UnknownView) {
-  EXPECT_THAT(Refusal(LineSequence({0, 0.1}), WithViews({"cam0", "cam1", "cam7"})), HasSubstr("views names 'cam7'"));
+  EXPECT_THAT(Refusal(LineSequence({0, 0.1}), WithViews({"cam0", "cam1", "cam7"})),
+              HasSubstr("views names 'cam7', which is no camera of the sequence: it has cam0, cam1"));
+}
+
+TEST(ResolveJobErrors, UnknownViewOfALargeArray) {
+  std::vector<double> places(20);
+  std::iota(places.begin(), places.end(), 0);
+  for (double& place : places) place *= 0.1;
+  EXPECT_THAT(Refusal(LineSequence(places), WithViews({"cam77"})), HasSubstr("cam10, cam11, ..."));
 }
 
 TEST(ResolveJobErrors, ViewWithoutPicturesAskedFor) {
