@@ -103,7 +103,8 @@ def write_plot(path: Path, curves: list[Curve], x_label: str, y_label: str, log_
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     axes.grid(alpha=0.3)
-    axes.legend(frameon=False, fontsize=8)
+    # Above the axes: inside it hides points, or looks as if it had one more.
+    axes.legend(frameon=False, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1), ncol=2)
     figure.tight_layout()
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, format="svg", metadata={"Date": None, "Creator": None})
