@@ -25,25 +25,20 @@ struct Hole {
   std::array<int, 8> nearest = {-1, -1, -1, -1, -1, -1, -1, -1};  // index of the pixel met first, -1 = none
 };
 
-// For each hole, the first pixel that may fill it, walking in `direction`. One sweep from that side of the picture:
-// each pixel hands on what it has seen.
-void FindNearest(const Grid<std::uint8_t>& fills, std::size_t direction_index, const Grid<int>& hole_of,
-                 std::vector<Hole>& holes) {
-  const Direction direction = kDirections[direction_index];
-  const int width = fills.width();
-  const int height = fills.height();
-  Grid<int> seen(width, height, -1);
-  for (int j = 0; j < height; ++j) {
-    const int y = direction.dy > 0 ? height - 1 - j : j;
-    for (int i = 0; i < width; ++i) {
-      const int x = direction.dx > 0 ? width - 1 - i : i;
-      if (fills(x, y) != 0) {
-        seen(x, y) = static_cast<int>(fills.Index(x, y));
-        continue;
-      }
-      if (fills.Contains(x + direction.dx, y + direction.dy)) seen(x, y) = seen(x + direction.dx, y + direction.dy);
-      if (hole_of(x, y) >= 0) holes[static_cast<std::size_t>(hole_of(x, y))].nearest[direction_index] = seen(x, y);
-    }
+// For each hole, the first pixel that may fill it, walking in `direction`: the next pixel, or what that one has found
+// if it is a hole itself. Holes are in raster order, so a walk to the left or upwards is known when the holes are taken
+// in their order, the others when they are taken backwards.
+void FindNearest(std::size_t direction_index, const Grid<int>& hole_of, std::vector<Hole>& holes) {
+  const auto [dx, dy] = kDirections[direction_index];
+  const bool backwards = dy > 0 || (dy == 0 && dx > 0);
+  for (std::size_t i = 0; i < holes.size(); ++i) {
+    Hole& hole = holes[backwards ? holes.size() - 1 - i : i];
+    const int x = hole.x + dx;
+    const int y = hole.y + dy;
+    if (!hole_of.Contains(x, y)) continue;
+    const int next = hole_of(x, y);
+    hole.nearest[direction_index] = next < 0 ? static_cast<int>(hole_of.Index(x, y))
+                                             : holes[static_cast<std::size_t>(next)].nearest[direction_index];
   }
 }
 
@@ -90,15 +85,11 @@ void FillHoles(const Grid<Known>& kinds, YcbcrImage& picture, DepthMap& depth) {
   const std::vector<Known>& values = kinds.values();
   const bool any_clean = std::find(values.begin(), values.end(), Known::kClean) != values.end();
   const Known filling = any_clean ? Known::kClean : Known::kDoubtful;
-  Grid<std::uint8_t> fills(kinds.width(), kinds.height());
   Grid<int> hole_of(kinds.width(), kinds.height(), -1);
   std::vector<Hole> holes;
   for (int y = 0; y < kinds.height(); ++y) {
     for (int x = 0; x < kinds.width(); ++x) {
-      if (kinds(x, y) >= filling) {
-        fills(x, y) = 1;
-        continue;
-      }
+      if (kinds(x, y) >= filling) continue;
       Hole hole;
       hole.index = kinds.Index(x, y);
       hole.x = x;
@@ -109,7 +100,7 @@ void FillHoles(const Grid<Known>& kinds, YcbcrImage& picture, DepthMap& depth) {
   }
   if (holes.empty()) return;
   for (std::size_t direction = 0; direction < kDirections.size(); ++direction) {
-    FindNearest(fills, direction, hole_of, holes);
+    FindNearest(direction, hole_of, holes);
   }
   // Only kept pixels are read, so the order of the holes doesn't matter.
   for (const Hole& hole : holes) FillOne(hole, picture, depth);

@@ -46,13 +46,26 @@ void ProjectRow(const float* depth, int width, int y, const Reprojection& target
     target_y[x] = seen ? static_cast<float>(py) : 0.0F;
     target_inverse_depth[x] = seen ? static_cast<float>(inverse * w) : 0.0F;
     inverse_depth[x] = seen ? static_cast<float>(inverse) : 0.0F;
-    parallax[x] = seen ? static_cast<float>(std::sqrt(dx * dx + dy * dy)) : 0.0F;
+    parallax[x] = seen ? std::sqrt(static_cast<float>(dx * dx + dy * dy)) : 0.0F;
   }
 }
 
 void ProjectPoints(const DepthMap& depth, const Camera& source, const Camera& target, Surface& surface) {
   const Reprojection target_from_source(source, target);
   for (int y = 0; y < depth.height(); ++y) ProjectRow(depth.row(y), depth.width(), y, target_from_source, surface);
+}
+
+// Whether each pixel of a row may be torn from the next one: one of them is unknown or the step between them is long.
+// No branches, so that it is vectorised; almost all pixels need no closer look.
+void FindLongSteps(const float* here, const float* next, const float* parallax, const float* next_parallax,
+                   float max_step, std::vector<std::uint8_t>& is_long) {
+  std::uint8_t* const out = is_long.data();
+  const auto count = static_cast<int>(is_long.size());
+  for (int x = 0; x < count; ++x) {
+    const float step = std::abs(next[x] - here[x]) * std::max(parallax[x], next_parallax[x]);
+    out[x] = static_cast<std::uint8_t>(
+        (static_cast<int>(here[x] > 0) & static_cast<int>(next[x] > 0) & static_cast<int>(step <= max_step)) ^ 1);
+  }
 }
 
 // Marks the tears between each pixel and the next one in direction (dx, dy), and the far sides of the jumps.
@@ -62,19 +75,25 @@ void MarkTears(int dx, int dy, std::uint8_t bit, const SurfaceParams& params, Su
   const float max_straight = static_cast<float>(params.max_straight_step_px);
   const auto at = [&](int x, int y) { return inverse.Contains(x, y) ? inverse(x, y) : 0.0F; };
   const std::ptrdiff_t to_next = dx + static_cast<std::ptrdiff_t>(dy) * inverse.width();
+  const int end_x = inverse.width() - dx;
+  const int end_y = inverse.height() - dy;
+  std::vector<std::uint8_t> is_long(static_cast<std::size_t>(end_x));
   for (int y = 0; y < inverse.height(); ++y) {
     const float* here = inverse.row(y);
     const float* parallax = surface.parallax.row(y);
     std::uint8_t* flags = surface.flags.row(y);
-    const bool last_row = y + dy >= inverse.height();
-    for (int x = 0; x < inverse.width(); ++x) {
-      if (last_row || x + dx >= inverse.width() || !(here[x] > 0) || !(here[x + to_next] > 0)) {
+    const int end = y < end_y ? end_x : 0;
+    for (int x = end; x < inverse.width(); ++x) flags[x] |= bit;
+    if (end == 0) continue;
+    FindLongSteps(here, here + to_next, parallax, parallax + to_next, max_step, is_long);
+    for (int x = 0; x < end; ++x) {
+      if (is_long[static_cast<std::size_t>(x)] == 0) continue;
+      const float next = here[x + to_next];
+      if (!(here[x] > 0) || !(next > 0)) {
         flags[x] |= bit;
         continue;
       }
-      const float next = here[x + to_next];
       const float step = std::abs(next - here[x]) * std::max(parallax[x], parallax[x + to_next]);
-      if (step <= max_step) continue;
       if (step <= max_straight && GoesOnStraight(at(x - dx, y - dy), here[x], next, at(x + 2 * dx, y + 2 * dy)))
         continue;
       flags[x] |= bit;

@@ -114,21 +114,16 @@ class Blender {
   Blender(const std::vector<Warped>& warped, const SynthesisParams& params)
       : rows_(warped.begin(), warped.end()), tolerance_(static_cast<float>(params.agreement_px)) {}
 
-  struct Pixel {
-    Known known = Known::kHole;
-    Ycbcr colour;
-    float z = 0;
-  };
-
   void GoTo(int y) {
     for (RowInSource& row : rows_) row.Locate(y);
   }
 
-  [[nodiscard]] Pixel Blend(int x) const {
+  // Sets the colour and the z of a pixel of the row, unless it is a hole.
+  Known Blend(int x, Ycbcr& colour, float& z) const {
     const auto i = static_cast<std::size_t>(x);
     float nearest = 0;
     for (const RowInSource& row : rows_) nearest = std::max(nearest, row.InverseDepth(i));
-    if (nearest == 0) return {};
+    if (nearest == 0) return Known::kHole;
     Sum clean;
     Sum doubtful;
     for (const RowInSource& row : rows_) {
@@ -136,9 +131,10 @@ class Blender {
       const SampledColour sample = row.Sample(i);
       (sample.clean ? clean : doubtful).Add(sample.colour, row.InverseDepth(i), row.weight());
     }
-    if (clean.weight > 0) return clean.Mean(Known::kClean);
-    if (doubtful.weight > 0) return doubtful.Mean(Known::kDoubtful);
-    return {};
+    const bool is_clean = clean.weight > 0;
+    if (!is_clean && !(doubtful.weight > 0)) return Known::kHole;
+    (is_clean ? clean : doubtful).Mean(colour, z);
+    return is_clean ? Known::kClean : Known::kDoubtful;
   }
 
  private:
@@ -152,13 +148,17 @@ class Blender {
       inverse_depth += w * inverse;
       weight += w;
     }
-    [[nodiscard]] Pixel Mean(Known known) const {
+    void Mean(Ycbcr& mean, float& z) const {
       const float scale = 1 / weight;
       const auto rounded = [scale](float value) {
         const float half_up = value * scale + 0.5F;  // values are not negative; std::lround is a call
         return static_cast<std::uint8_t>(half_up);
       };
-      return {known, {rounded(colour[0]), rounded(colour[1]), rounded(colour[2]), 0}, weight / inverse_depth};
+      // Written where they stay: a pixel put together on the stack waits for its bytes.
+      mean.y = rounded(colour[0]);
+      mean.cb = rounded(colour[1]);
+      mean.cr = rounded(colour[2]);
+      z = weight / inverse_depth;
     }
   };
 
@@ -215,12 +215,13 @@ Result<SynthesizedView> SynthesizeView(const std::vector<SourceView>& sources, c
   Blender blender(warped, params);
   for (int y = 0; y < target.height; ++y) {
     blender.GoTo(y);
+    Known* const known = kinds.row(y);
+    Ycbcr* const colours = result.picture.row(y);
+    float* const depth = result.depth.row(y);
+    std::uint8_t* const holes = result.holes.row(y);
     for (int x = 0; x < target.width; ++x) {
-      const Blender::Pixel pixel = blender.Blend(x);
-      kinds(x, y) = pixel.known;
-      result.picture(x, y) = pixel.colour;
-      result.depth(x, y) = pixel.z;
-      result.holes(x, y) = pixel.known == Known::kHole ? 1 : 0;
+      known[x] = blender.Blend(x, colours[x], depth[x]);
+      holes[x] = known[x] == Known::kHole ? 1 : 0;
     }
   }
   FillHoles(kinds, result.picture, result.depth);
