@@ -46,6 +46,12 @@ Status EstimationParams::Validate() const {
   if (neighbours < 1 || neighbours > 16) return OutOfRange("neighbors", neighbours, "1 to 16");
   if (refine_rounds < 0 || refine_rounds > 100)
     return OutOfRange("refine", refine_rounds, "1 to 100 rounds, or 0: depth levels");
+  if (!(holes >= 0) || holes >= 1)
+    return OutOfRange("holes", holes, "0 to less than 1: the least confidence that is kept");
+  if (assesses() && refine_rounds == 0) {
+    return InvalidArgument(std::string(confidence ? "confidence" : "holes") +
+                           " needs refined depth: leave out --refine 0 (--preset paper)");
+  }
   if (downscale != 1 && downscale != 2 && downscale != 4) return OutOfRange("downscale", downscale, "1, 2 or 4");
   if (first_frame < 0) return OutOfRange("frames: first", first_frame, ">= 0");
   if (end_frame != -1 && end_frame <= first_frame) {

@@ -34,15 +34,19 @@ struct EstimationParams {
   int i_threshold = 1;          // T_I of III-E
   int level_blocks = 0;         // n of IV-A; 0: from the job alone, see ResolveJob
   Partition partition = Partition::kInterleaved;
-  int max_sweeps = 2;              // sweeps over the levels of a block; 0: until no move lowers the energy. The second
-                                   // finds all but 0.01-0.05 % of it
-  int neighbours = 2;              // views matched against each view; the paper's two
-  int refine_rounds = 4;           // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
-  int downscale = 1;               // 1, 2 or 4
+  int max_sweeps = 2;       // sweeps over the levels of a block; 0: until no move lowers the energy. The second
+                            // finds all but 0.01-0.05 % of it
+  int neighbours = 2;       // views matched against each view; the paper's two
+  int refine_rounds = 4;    // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
+  bool confidence = false;  // also write how likely the depth of each pixel is right
+  double holes = 0;         // no depth where that is less likely than this; 0..1, less than 1; 0: depth everywhere
+  int downscale = 1;        // 1, 2 or 4
   std::vector<std::string> views;  // camera names; empty: every camera that has pictures
   int first_frame = 0;             // frames [first_frame, end_frame)
   int end_frame = -1;              // -1: to the end
 
+  // Whether the confidence of the depth is asked for.
+  [[nodiscard]] bool assesses() const { return confidence || holes > 0; }
   // kInvalidArgument names the option, its value and its bounds.
   [[nodiscard]] Status Validate() const;
   bool operator==(const EstimationParams&) const = default;

@@ -14,6 +14,8 @@ std::string TaskKindName(TaskKind kind) {
       return "merge";
     case TaskKind::kRefine:
       return "refine";
+    case TaskKind::kAssess:
+      return "assess";
     case TaskKind::kRender:
       return "render";
     case TaskKind::kEmit:
@@ -34,7 +36,7 @@ std::string TaskName(const TaskId& id) {
   if (id.kind == TaskKind::kRender) return name + " render part " + std::to_string(id.frame);
   if (!of_job) name += " frame " + std::to_string(id.frame);
   name += " " + TaskKindName(id.kind);
-  if (id.kind == TaskKind::kAnalyse) name += " view " + std::to_string(id.index);
+  if (id.kind == TaskKind::kAnalyse || id.kind == TaskKind::kAssess) name += " view " + std::to_string(id.index);
   if (id.kind == TaskKind::kEstimate) name += " block " + std::to_string(id.index);
   if (id.kind == TaskKind::kMerge) name += " round " + std::to_string(id.index) + " pair " + std::to_string(id.pair);
   if (id.kind == TaskKind::kRefine) name += " round " + std::to_string(id.index) + " view " + std::to_string(id.pair);

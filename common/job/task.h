@@ -21,6 +21,7 @@ enum class TaskKind : std::uint8_t {
   kEstimate,  // of (frame, block): alpha-expansion over all views on the block's levels    III, IV-A
   kMerge,     // of (frame, round, pair): two label fields -> one, two-label cut            IV-A, Fig. 3
   kRefine,    // of (frame, round, view): slanted planes instead of levels; round 0 starts from the labels
+  kAssess,    // of (frame, view): confidence of the refined depth
   kRender,    // of a part of a rendering job: some virtual views, into the job's staging folder
   kEmit,      // of a frame: depth files of all views, into the job's staging folder
   kCommit,    // of a frame: the accepted attempt's files are renamed into place
@@ -33,7 +34,7 @@ struct TaskId {
   JobId job;
   int frame = 0;  // 0-based in the job; of a rendering job: its part
   TaskKind kind = TaskKind::kAnalyse;
-  int index = 0;  // view of kAnalyse, block of kEstimate, round of kMerge and kRefine
+  int index = 0;  // view of kAnalyse and kAssess, block of kEstimate, round of kMerge and kRefine
   int pair = 0;   // pair of kMerge, view of kRefine
   // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is the compiler's
   auto operator<=>(const TaskId&) const = default;

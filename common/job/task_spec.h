@@ -25,7 +25,9 @@ enum class InputRole : std::uint8_t {
   kLabels,            // Merge: the two partial fields, first and second; Refine, Emit: the final one
   kPreviousRefined,   // Refine: the view's depth in frame - 1 after the last round
   kIRefined,          // Refine: the view's depth in the GOP's I frame after the last round
-  kRefined,           // Refine: depth of the round before, the view and those it is compared with; Emit: of all views
+  kRefined,           // Refine: depth of the round before, the view and those it is compared with; Assess: the
+                      // same after the last round; Emit: of all views
+  kConfidence,        // Emit: of all views
 };
 
 // Where an artifact can be fetched.
@@ -46,14 +48,14 @@ struct ArtifactInfo {
 struct TaskInput {
   ArtifactInfo artifact;  // a fetch must yield exactly these bytes
   InputRole role = InputRole::kAnalysis;
-  int view = 0;  // of the analysis and refined roles
+  int view = 0;  // of the analysis, refined and confidence roles
   std::vector<ArtifactLocation> locations;
   bool operator==(const TaskInput&) const = default;
 };
 
-// One depth file or virtual view: written by Emit or Render, renamed into place by Commit.
+// A depth file, a confidence file or a virtual view: written by Emit or Render, renamed into place by Commit.
 struct OutputFile {
-  std::string path;  // depth: relative to DIR/depth: "cam0/0000.png"; views: to DIR: "views/0000.png"
+  std::string path;  // relative to DIR: "depth/cam0/0000.png", "confidence/cam0/0000.png", "views/0000.png"
   ContentDigest sha256{};
   std::uint64_t bytes = 0;
   bool operator==(const OutputFile&) const = default;
@@ -62,7 +64,7 @@ struct OutputFile {
 // All that a worker needs for a task besides its JobConfig.
 struct TaskSpec {
   TaskId id;
-  std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine
+  std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine, Assess
   std::vector<TaskInput> inputs;
   std::string picture;                         // Analyse: absolute path
   std::string staging;                         // Emit, Render, Commit: folder below DIR/.depthfarm-staging

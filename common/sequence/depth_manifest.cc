@@ -21,6 +21,7 @@ using OrderedJson = nlohmann::ordered_json;  // keeps the order of writing: the 
 constexpr std::string_view kFormat = "depthfarm-depth-1";
 constexpr std::uint64_t kMaxManifestBytes = std::uint64_t{1} << 30;
 constexpr std::size_t kDigestLength = 64;
+constexpr const char* kNoDigest = "not 64 lower-case hexadecimal digits";
 
 bool IsSha256(const std::string& text) {
   return text.size() == kDigestLength &&
@@ -32,6 +33,20 @@ bool StaysInFolder(const std::string& path) {
   const std::filesystem::path normal = std::filesystem::path(path).lexically_normal();
   return normal == std::filesystem::path(path) && normal.is_relative() && *normal.begin() != ".." &&
          normal.has_filename() && normal != ".";
+}
+
+// Of files and their digests under two keys; empty: nothing.
+std::string WhatIsWrong(const std::string& paths, const std::string& digests,
+                        const std::vector<DepthManifestFile>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string position = "[" + std::to_string(i) + "]";
+    if (!StaysInFolder(files[i].path)) {
+      return paths + position + " is " + Shortened(Json(files[i].path)) +
+             ", expected a plain path within the folder of depth.json";
+    }
+    if (!IsSha256(files[i].sha256)) return digests + position + " is " + kNoDigest;
+  }
+  return "";
 }
 
 // What both directions demand of a camera's entry.
@@ -50,15 +65,15 @@ Status CheckCamera(const DepthManifestCamera& entry) {
     return bad("has " + std::to_string(entry.files.size()) + " files and " + std::to_string(entry.input_sha256.size()) +
                " input digests, expected as many");
   }
-  for (std::size_t i = 0; i < entry.files.size(); ++i) {
-    const std::string position = "[" + std::to_string(i) + "]";
-    if (!StaysInFolder(entry.files[i].path)) {
-      return bad("files" + position + " is " + Shortened(Json(entry.files[i].path)) +
-                 ", expected a plain path within the folder of depth.json");
-    }
-    if (!IsSha256(entry.files[i].sha256) || !IsSha256(entry.input_sha256[i])) {
-      return bad("sha256" + position + " or inputSha256" + position + " is not 64 lower-case hexadecimal digits");
-    }
+  if (!entry.confidence.empty() && entry.confidence.size() != entry.files.size()) {
+    return bad("has " + std::to_string(entry.files.size()) + " files and " + std::to_string(entry.confidence.size()) +
+               " of confidence, expected as many or none");
+  }
+  if (const std::string wrong = WhatIsWrong("files", "sha256", entry.files); !wrong.empty()) return bad(wrong);
+  if (const std::string wrong = WhatIsWrong("confidence", "confidenceSha256", entry.confidence); !wrong.empty())
+    return bad(wrong);
+  for (std::size_t i = 0; i < entry.input_sha256.size(); ++i) {
+    if (!IsSha256(entry.input_sha256[i])) return bad("inputSha256[" + std::to_string(i) + "] is " + kNoDigest);
   }
   return {};
 }
@@ -95,31 +110,52 @@ OrderedJson RowsOf(const Eigen::Matrix3d& m) {
   return rows;
 }
 
-OrderedJson CameraJson(const DepthManifestCamera& entry) {
-  const Camera& camera = entry.camera;
-  OrderedJson files = OrderedJson::array();
+void AddFiles(const char* paths_key, const char* digests_key, const std::vector<DepthManifestFile>& files,
+              OrderedJson& json) {
+  OrderedJson paths = OrderedJson::array();
   OrderedJson digests = OrderedJson::array();
-  for (const DepthManifestFile& file : entry.files) {
-    files.push_back(file.path);
+  for (const DepthManifestFile& file : files) {
+    paths.push_back(file.path);
     digests.push_back(file.sha256);
   }
+  json[paths_key] = std::move(paths);
+  json[digests_key] = std::move(digests);
+}
+
+OrderedJson CameraJson(const DepthManifestCamera& entry) {
+  const Camera& camera = entry.camera;
   const Eigen::Vector3d& t = camera.cam_from_world_translation;
-  return {{"name", camera.name},
-          {"width", camera.width},
-          {"height", camera.height},
-          {"K", RowsOf(camera.intrinsics)},
-          {"R", RowsOf(camera.cam_from_world_rotation)},
-          {"t", {t[0], t[1], t[2]}},
-          {"zNear", entry.z_near},
-          {"zFar", entry.z_far},
-          {"files", std::move(files)},
-          {"sha256", std::move(digests)},
-          {"inputSha256", entry.input_sha256}};
+  OrderedJson json = {{"name", camera.name},
+                      {"width", camera.width},
+                      {"height", camera.height},
+                      {"K", RowsOf(camera.intrinsics)},
+                      {"R", RowsOf(camera.cam_from_world_rotation)},
+                      {"t", {t[0], t[1], t[2]}},
+                      {"zNear", entry.z_near},
+                      {"zFar", entry.z_far}};
+  AddFiles("files", "sha256", entry.files, json);
+  if (!entry.confidence.empty()) AddFiles("confidence", "confidenceSha256", entry.confidence, json);
+  json["inputSha256"] = entry.input_sha256;
+  return json;
+}
+
+Result<std::vector<DepthManifestFile>> ReadFiles(const JsonFields& fields, std::string_view paths_key,
+                                                 std::string_view digests_key) {
+  DEPTHFARM_ASSIGN_OR_RETURN(std::vector<std::string> paths, fields.Strings(paths_key, kMaxFrames));
+  DEPTHFARM_ASSIGN_OR_RETURN(std::vector<std::string> digests, fields.Strings(digests_key, kMaxFrames));
+  if (paths.size() != digests.size()) {
+    return fields.Bad("'" + std::string(paths_key) + "' has " + std::to_string(paths.size()) + " entries and '" +
+                      std::string(digests_key) + "' " + std::to_string(digests.size()) + ", expected as many");
+  }
+  std::vector<DepthManifestFile> files;
+  for (std::size_t i = 0; i < paths.size(); ++i) files.push_back({std::move(paths[i]), std::move(digests[i])});
+  return files;
 }
 
 Result<DepthManifestCamera> ReadCamera(const Json& value, const std::string& where) {
-  static constexpr std::array<std::string_view, 11> kKeys = {"name",  "width", "height", "K",      "R",          "t",
-                                                             "zNear", "zFar",  "files",  "sha256", "inputSha256"};
+  static constexpr std::array<std::string_view, 13> kKeys = {
+      "name",   "width",      "height",           "K",          "R", "t", "zNear", "zFar", "files",
+      "sha256", "confidence", "confidenceSha256", "inputSha256"};
   DEPTHFARM_ASSIGN_OR_RETURN(const JsonFields fields, JsonFields::Of(value, where, kKeys));
   DepthManifestCamera entry;
   DEPTHFARM_ASSIGN_OR_RETURN(entry.camera.name, fields.String("name"));
@@ -133,14 +169,11 @@ Result<DepthManifestCamera> ReadCamera(const Json& value, const std::string& whe
   DEPTHFARM_ASSIGN_OR_RETURN(entry.camera.cam_from_world_translation, fields.Vector3("t"));
   DEPTHFARM_ASSIGN_OR_RETURN(entry.z_near, fields.Positive("zNear"));
   DEPTHFARM_ASSIGN_OR_RETURN(entry.z_far, fields.Positive("zFar"));
-  DEPTHFARM_ASSIGN_OR_RETURN(std::vector<std::string> files, fields.Strings("files", kMaxFrames));
-  DEPTHFARM_ASSIGN_OR_RETURN(std::vector<std::string> digests, fields.Strings("sha256", kMaxFrames));
-  DEPTHFARM_ASSIGN_OR_RETURN(entry.input_sha256, fields.Strings("inputSha256", kMaxFrames));
-  if (files.size() != digests.size()) {
-    return fields.Bad("'files' has " + std::to_string(files.size()) + " entries and 'sha256' " +
-                      std::to_string(digests.size()) + ", expected as many");
+  DEPTHFARM_ASSIGN_OR_RETURN(entry.files, ReadFiles(fields, "files", "sha256"));
+  if (fields.Has("confidence") || fields.Has("confidenceSha256")) {
+    DEPTHFARM_ASSIGN_OR_RETURN(entry.confidence, ReadFiles(fields, "confidence", "confidenceSha256"));
   }
-  for (std::size_t i = 0; i < files.size(); ++i) entry.files.push_back({std::move(files[i]), std::move(digests[i])});
+  DEPTHFARM_ASSIGN_OR_RETURN(entry.input_sha256, fields.Strings("inputSha256", kMaxFrames));
   return entry;
 }
 
@@ -169,6 +202,10 @@ Result<std::map<std::string, ManifestNumberOrText>> ReadParameters(const JsonFie
 
 std::string DepthFileName(const std::string& camera, int frame, const std::string& extension) {
   return "depth/" + camera + "/" + FrameName(frame) + "." + extension;
+}
+
+std::string ConfidenceFileName(const std::string& camera, int frame) {
+  return "confidence/" + camera + "/" + FrameName(frame) + ".png";
 }
 
 Result<std::string> FormatDepthManifest(const DepthManifest& manifest) {

@@ -25,7 +25,8 @@ struct DepthManifestCamera {
   double z_near = 0;  // the camera's own range, that of the 16-bit codes; the sequence's unit of length
   double z_far = 0;
   std::vector<DepthManifestFile> files;
-  std::vector<std::string> input_sha256;  // of the picture files the depth was estimated from; as many as `files`
+  std::vector<DepthManifestFile> confidence;  // empty, or as many as `files`: 16-bit PNG, probability times 65535
+  std::vector<std::string> input_sha256;      // of the picture files the depth was estimated from; as many as `files`
 };
 
 using ManifestNumberOrText = std::variant<std::int64_t, double, std::string>;
@@ -44,6 +45,9 @@ inline constexpr const char* kDepthManifestName = "depth.json";
 
 // "depth/<camera>/<frame, 4 digits or more>.<extension>".
 [[nodiscard]] std::string DepthFileName(const std::string& camera, int frame, const std::string& extension = "png");
+
+// "confidence/<camera>/<frame>.png": beside each depth file when asked for.
+[[nodiscard]] std::string ConfidenceFileName(const std::string& camera, int frame);
 
 // The text of depth.json: equal manifests give equal bytes. kInvalidArgument: a number that JSON cannot hold (NaN,
 // infinity), or lists whose lengths differ.

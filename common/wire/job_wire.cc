@@ -134,6 +134,8 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
   proto.set_max_sweeps(static_cast<std::uint32_t>(params.max_sweeps));
   proto.set_neighbours(static_cast<std::uint32_t>(params.neighbours));
   proto.set_refine_rounds(static_cast<std::uint32_t>(params.refine_rounds));
+  proto.set_confidence(params.confidence);
+  proto.set_holes(params.holes);
   proto.set_downscale(static_cast<std::uint32_t>(params.downscale));
   for (const std::string& view : params.views) proto.add_views(view);
   proto.set_first_frame(static_cast<std::uint32_t>(params.first_frame));
@@ -167,6 +169,8 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
   DEPTHFARM_RETURN_IF_ERROR(read("sweeps", proto.max_sweeps(), params.max_sweeps));
   DEPTHFARM_RETURN_IF_ERROR(read("neighbors", proto.neighbours(), params.neighbours));
   DEPTHFARM_RETURN_IF_ERROR(read("refine", proto.refine_rounds(), params.refine_rounds));
+  params.confidence = proto.confidence();
+  params.holes = proto.holes();
   DEPTHFARM_RETURN_IF_ERROR(read("downscale", proto.downscale(), params.downscale));
   DEPTHFARM_RETURN_IF_ERROR(CheckCount("views", proto.views_size(), kMaxViews));
   for (const std::string& view : proto.views()) {

@@ -1,6 +1,8 @@
 #include "common/wire/task_wire.h"
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "common/wire/bounds.h"
@@ -34,6 +36,8 @@ v1::InputRole RoleToProto(InputRole role) {
       return v1::INPUT_ROLE_I_REFINED;
     case InputRole::kRefined:
       return v1::INPUT_ROLE_REFINED;
+    case InputRole::kConfidence:
+      return v1::INPUT_ROLE_CONFIDENCE;
   }
   return v1::INPUT_ROLE_UNSPECIFIED;
 }
@@ -58,8 +62,10 @@ Result<InputRole> RoleFromProto(v1::InputRole role) {
       return InputRole::kIRefined;
     case v1::INPUT_ROLE_REFINED:
       return InputRole::kRefined;
+    case v1::INPUT_ROLE_CONFIDENCE:
+      return InputRole::kConfidence;
     default:
-      return InvalidArgument("input role is " + std::to_string(role) + ", expected 1 to 9");
+      return InvalidArgument("input role is " + std::to_string(role) + ", expected 1 to 10");
   }
 }
 
@@ -136,6 +142,8 @@ v1::TaskKind ToProto(TaskKind kind) {
       return v1::TASK_KIND_MERGE;
     case TaskKind::kRefine:
       return v1::TASK_KIND_REFINE;
+    case TaskKind::kAssess:
+      return v1::TASK_KIND_ASSESS;
     case TaskKind::kRender:
       return v1::TASK_KIND_RENDER;
     case TaskKind::kEmit:
@@ -162,6 +170,8 @@ Result<TaskKind> FromProto(v1::TaskKind kind) {
       return TaskKind::kMerge;
     case v1::TASK_KIND_REFINE:
       return TaskKind::kRefine;
+    case v1::TASK_KIND_ASSESS:
+      return TaskKind::kAssess;
     case v1::TASK_KIND_RENDER:
       return TaskKind::kRender;
     case v1::TASK_KIND_EMIT:
@@ -173,7 +183,7 @@ Result<TaskKind> FromProto(v1::TaskKind kind) {
     case v1::TASK_KIND_CLEANUP:
       return TaskKind::kCleanup;
     default:
-      return InvalidArgument("task kind is " + std::to_string(kind) + ", expected 1 to 10");
+      return InvalidArgument("task kind is " + std::to_string(kind) + ", expected 1 to 11");
   }
 }
 
@@ -228,12 +238,13 @@ v1::OutputFile ToProto(const OutputFile& file) {
 Result<OutputFile> FromProto(const v1::OutputFile& proto) {
   OutputFile file;
   const std::string& path = proto.path();
-  const std::size_t slash = path.find('/');
-  if (slash == std::string::npos || !path.ends_with(".png")) {
-    return InvalidArgument("output file is '" + path.substr(0, kMaxNameBytes) + "', expected CAMERA/NUMBER.png");
+  const auto slashes = std::count(path.begin(), path.end(), '/');
+  if (slashes < 1 || slashes > 2 || !path.ends_with(".png")) {
+    return InvalidArgument("output file is '" + path.substr(0, kMaxNameBytes) +
+                           "', expected views/NUMBER.png or MAP/CAMERA/NUMBER.png");
   }
-  DEPTHFARM_RETURN_IF_ERROR(CheckFileName("output folder", path.substr(0, slash)));
-  DEPTHFARM_RETURN_IF_ERROR(CheckFileName("output file", path.substr(slash + 1)));
+  std::istringstream names(path);
+  for (std::string name; std::getline(names, name, '/');) DEPTHFARM_RETURN_IF_ERROR(CheckFileName("output file", name));
   file.path = path;
   DEPTHFARM_ASSIGN_OR_RETURN(file.sha256, DigestFromBytes("output digest", proto.sha256()));
   file.bytes = proto.bytes();
@@ -286,8 +297,8 @@ v1::TaskSpec ToProto(const TaskSpec& spec) {
 Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
   TaskSpec spec;
   DEPTHFARM_ASSIGN_OR_RETURN(spec.id, FromProto(proto.id()));
-  const bool has_key =
-      spec.id.kind == TaskKind::kEstimate || spec.id.kind == TaskKind::kMerge || spec.id.kind == TaskKind::kRefine;
+  const bool has_key = spec.id.kind == TaskKind::kEstimate || spec.id.kind == TaskKind::kMerge ||
+                       spec.id.kind == TaskKind::kRefine || spec.id.kind == TaskKind::kAssess;
   if (has_key != !proto.output_key().empty()) {
     return InvalidArgument(TaskName(spec.id) + (has_key ? " has no output key" : " has an output key, expected none"));
   }

@@ -50,6 +50,12 @@ Status ParsePositive(std::string_view option, std::string_view text, double& val
   return {};
 }
 
+Status ParseSwitch(std::string_view option, std::string_view text, bool& value) {
+  if (text != "on" && text != "off") return Refuse(option, text, "on or off");
+  value = text == "on";
+  return {};
+}
+
 Status ParsePartition(std::string_view text, Partition& partition) {
   if (text == "blocks") {
     partition = Partition::kContiguous;
@@ -152,6 +158,13 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("refine", text, params.refine_rounds);
      }},
+    {"confidence", "on|off",
+     "Also write DIR/confidence: how likely each pixel's depth is right to a pixel of motion; default off",
+     [](std::string_view text, EstimationParams& params) {
+       return ParseSwitch("confidence", text, params.confidence);
+     }},
+    {"holes", "C", "Leave no depth where that is less likely than C, 0 to less than 1; default 0: depth everywhere",
+     [](std::string_view text, EstimationParams& params) { return ParseReal("holes", text, params.holes); }},
 });
 
 const EstimationOption* FindOption(std::string_view name) {
@@ -168,6 +181,7 @@ std::string OptionNames() {
 Status ApplyJsonValue(const EstimationOption& option, const Json& value, EstimationParams& params) {
   if (value.is_string()) return option.apply(value.get<std::string>(), params);
   if (value.is_number()) return option.apply(value.dump(), params);
+  if (value.is_boolean()) return option.apply(value.get<bool>() ? "on" : "off", params);
   if (option.name == "views" && value.is_array() && !value.empty()) {
     params.views.clear();
     for (const Json& name : value) {

@@ -93,4 +93,8 @@ ArtifactKey ArtifactKeys::Refine(int round, int view, std::span<const Input> inp
   return KeyBuilder("refine").Add(job_).Add(refined_).Add(round).Add(view).Add(inputs).Build();
 }
 
+ArtifactKey ArtifactKeys::Assess(int view, std::span<const Input> inputs) const {
+  return KeyBuilder("assess").Add(job_).Add(refined_).Add(view).Add(inputs).Build();
+}
+
 }  // namespace depthfarm

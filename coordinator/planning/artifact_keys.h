@@ -23,11 +23,12 @@ class ArtifactKeys {
   [[nodiscard]] ArtifactKey Estimate(int num_blocks, int block, std::span<const Input> inputs) const;
   [[nodiscard]] ArtifactKey Merge(std::span<const Input> inputs) const;
   [[nodiscard]] ArtifactKey Refine(int round, int view, std::span<const Input> inputs) const;
+  [[nodiscard]] ArtifactKey Assess(int view, std::span<const Input> inputs) const;
 
  private:
   Partition partition_;
   ArtifactKey job_;      // of what all tasks of the job share
-  ArtifactKey refined_;  // of what its Refine tasks share besides
+  ArtifactKey refined_;  // of what its Refine and Assess tasks share besides
 };
 
 }  // namespace depthfarm

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "common/sequence/frame_name.h"
+#include "common/sequence/depth_manifest.h"
 
 namespace depthfarm {
 namespace {
@@ -24,7 +24,7 @@ std::uint64_t CountMerges(const std::vector<std::vector<MergePair>>& rounds) {
 
 bool MakesArtifact(TaskKind kind) {
   return kind == TaskKind::kAnalyse || kind == TaskKind::kEstimate || kind == TaskKind::kMerge ||
-         kind == TaskKind::kRefine;
+         kind == TaskKind::kRefine || kind == TaskKind::kAssess;
 }
 
 bool StagesFiles(TaskKind kind) { return kind == TaskKind::kEmit || kind == TaskKind::kRender; }
@@ -32,9 +32,9 @@ bool StagesFiles(TaskKind kind) { return kind == TaskKind::kEmit || kind == Task
 int NumParts(std::size_t num_views) { return static_cast<int>((num_views + kViewsPerPart - 1) / kViewsPerPart); }
 
 Status CheckPlannable(const ResolvedJob& job) {
-  const std::int64_t files = std::int64_t{job.num_frames} * job.num_views();
+  const std::int64_t files = std::int64_t{job.num_frames} * job.num_views() * (job.params.confidence ? 2 : 1);
   if (files <= kMaxDepthFiles) return {};
-  return InvalidArgument("the job has " + std::to_string(files) + " depth files (frames x views), expected at most " +
+  return InvalidArgument("the job has " + std::to_string(files) + " depth and confidence files, expected at most " +
                          std::to_string(kMaxDepthFiles) + ": submit it in parts with --frames");
 }
 
@@ -72,6 +72,8 @@ std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
     for (int round = 0; refine > 0 && round <= refine; ++round) {
       for (int view = 0; view < resolved().num_views(); ++view) tasks.push_back(Refined(frame, view, round));
     }
+    for (int view = 0; resolved().params.assesses() && view < resolved().num_views(); ++view)
+      tasks.push_back(Assessed(frame, view));
     tasks.push_back({job, frame, renders() ? TaskKind::kRender : TaskKind::kEmit, 0, 0});
     tasks.push_back({job, frame, TaskKind::kCommit, 0, 0});
   }
@@ -95,6 +97,8 @@ TaskId JobPlan::Refined(int frame, int view, int round) const {
   return {job_.config.job, frame, TaskKind::kRefine, round < 0 ? resolved().params.refine_rounds : round, view};
 }
 
+TaskId JobPlan::Assessed(int frame, int view) const { return {job_.config.job, frame, TaskKind::kAssess, view, 0}; }
+
 void JobPlan::AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const {
   for (int view = 0; view < resolved().num_views(); ++view) {
     inputs.push_back({{job_.config.job, frame, TaskKind::kAnalyse, view, 0}, role, view});
@@ -115,11 +119,16 @@ void JobPlan::AddInputsOfRefine(const TaskId& id, std::vector<PlannedInput>& inp
     if (refers) inputs.push_back({Refined(i_frame, own), InputRole::kIRefined, own});
     return;
   }
+  AddCompared(id.frame, own, id.index - 1, inputs);
+}
+
+void JobPlan::AddCompared(int frame, int own, int round, std::vector<PlannedInput>& inputs) const {
   std::vector<int> views = resolved().views[static_cast<std::size_t>(own)].compared;
   views.push_back(own);
   std::sort(views.begin(), views.end());
-  for (const int view : views) inputs.push_back({analysis(id.frame, view), InputRole::kAnalysis, view});
-  for (const int view : views) inputs.push_back({Refined(id.frame, view, id.index - 1), InputRole::kRefined, view});
+  for (const int view : views)
+    inputs.push_back({{job_.config.job, frame, TaskKind::kAnalyse, view, 0}, InputRole::kAnalysis, view});
+  for (const int view : views) inputs.push_back({Refined(frame, view, round), InputRole::kRefined, view});
 }
 
 std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
@@ -145,10 +154,15 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
     case TaskKind::kRefine:
       AddInputsOfRefine(id, inputs);
       break;
+    case TaskKind::kAssess:
+      AddCompared(id.frame, id.index, -1, inputs);
+      break;
     case TaskKind::kEmit:
       if (resolved().params.refine_rounds > 0) {
         for (int view = 0; view < resolved().num_views(); ++view)
           inputs.push_back({Refined(id.frame, view), InputRole::kRefined, view});
+        for (int view = 0; resolved().params.assesses() && view < resolved().num_views(); ++view)
+          inputs.push_back({Assessed(id.frame, view), InputRole::kConfidence, view});
         break;
       }
       AddAnalyses(id.frame, InputRole::kAnalysis, inputs);
@@ -195,6 +209,8 @@ std::uint64_t JobPlan::Total(TaskKind kind) const {
       const auto refine = static_cast<std::uint64_t>(resolved().params.refine_rounds);
       return refine == 0 ? 0 : frames * static_cast<std::uint64_t>(resolved().num_views()) * (refine + 1);
     }
+    case TaskKind::kAssess:
+      return resolved().params.assesses() ? frames * static_cast<std::uint64_t>(resolved().num_views()) : 0;
     case TaskKind::kRender:
       return renders() ? frames : 0;
     case TaskKind::kEmit:
@@ -219,8 +235,10 @@ std::vector<std::string> JobPlan::OutputPaths(int frame) const {
     for (const VirtualPicture& view : ViewsOf(frame)) paths.push_back(ViewFileName(view.number));
     return paths;
   }
-  const std::string file = FrameName(resolved().params.first_frame + frame) + ".png";
-  for (const JobView& view : resolved().views) paths.push_back(view.camera.name + "/" + file);
+  const int in_sequence = resolved().params.first_frame + frame;
+  for (const JobView& view : resolved().views) paths.push_back(DepthFileName(view.camera.name, in_sequence));
+  if (!resolved().params.confidence) return paths;
+  for (const JobView& view : resolved().views) paths.push_back(ConfidenceFileName(view.camera.name, in_sequence));
   return paths;
 }
 

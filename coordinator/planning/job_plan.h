@@ -15,7 +15,7 @@
 
 namespace depthfarm {
 
-inline constexpr int kNumTaskKinds = 10;
+inline constexpr int kNumTaskKinds = static_cast<int>(TaskKind::kCleanup) + 1;
 
 // A job as it is planned: what its tasks have in common and where its pictures are.
 struct PlannedJob {
@@ -69,6 +69,8 @@ class JobPlan {
   [[nodiscard]] TaskId FinalLabels(int frame) const;
   // The task whose result is the refined depth of the view after `round` rounds; -1: after the last.
   [[nodiscard]] TaskId Refined(int frame, int view, int round = -1) const;
+  // The confidence of a view; only of jobs that ask for it (EstimationParams::assesses).
+  [[nodiscard]] TaskId Assessed(int frame, int view) const;
   // How many tasks of a kind the job has (Cleanup: 0).
   [[nodiscard]] std::uint64_t Total(TaskKind kind) const;
 
@@ -86,6 +88,8 @@ class JobPlan {
   [[nodiscard]] const std::vector<std::vector<MergePair>>& Rounds(int frame) const;
   void AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const;
   void AddInputsOfRefine(const TaskId& id, std::vector<PlannedInput>& inputs) const;
+  // Analyses and depth after a round (-1: the last) of a view and of those it is compared with.
+  void AddCompared(int frame, int own, int round, std::vector<PlannedInput>& inputs) const;
 
   PlannedJob job_;
   std::vector<std::vector<MergePair>> rounds_i_;

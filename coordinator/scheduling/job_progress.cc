@@ -175,6 +175,7 @@ std::optional<ArtifactKey> JobProgress::OutputKey(const TaskId& id, const std::v
   for (const TaskInput& input : inputs) keys.push_back({input.role, input.artifact.key});
   if (id.kind == TaskKind::kMerge) return keys_.Merge(keys);
   if (id.kind == TaskKind::kRefine) return keys_.Refine(id.index, id.pair, keys);
+  if (id.kind == TaskKind::kAssess) return keys_.Assess(id.index, keys);
   return keys_.Estimate(plan_.resolved().NumBlocks(id.frame), id.index, keys);
 }
 

@@ -7,7 +7,7 @@ namespace {
 
 bool EndsAFrameOrJob(TaskKind kind) {
   return kind != TaskKind::kAnalyse && kind != TaskKind::kEstimate && kind != TaskKind::kMerge &&
-         kind != TaskKind::kRefine;
+         kind != TaskKind::kRefine && kind != TaskKind::kAssess;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct JobShape {
   int blocks_i = 2;
   int blocks_p = 1;
   int refine = 0;
+  bool confidence = false;
 };
 
 // `count` views of a camera as small as can be.
@@ -56,6 +57,7 @@ inline PlannedJob MakePlannedJob(const JobShape& shape) {
   resolved.params.z_near = 1;
   resolved.params.z_far = 2;
   resolved.params.refine_rounds = shape.refine;
+  resolved.params.confidence = shape.confidence;
   resolved.params.end_frame = shape.frames;
   resolved.num_frames = shape.frames;
   resolved.level_blocks_i = shape.blocks_i;

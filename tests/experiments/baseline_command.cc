@@ -110,7 +110,7 @@ Status RunBaseline(const BaselineCommandOptions& options, const BaselineMethod& 
                                                   {"zFar", job.params.z_far},
                                                   {"downscale", std::int64_t{job.params.downscale}}});
   for (const JobView& view : job.views)
-    manifest.cameras.push_back({view.camera, view.own_range.z_near, view.own_range.z_far, {}, {}});
+    manifest.cameras.push_back({view.camera, view.own_range.z_near, view.own_range.z_far, {}, {}, {}});
 
   double seconds = 0;
   for (int frame = job.params.first_frame; frame < job.params.end_frame; ++frame) {

@@ -67,6 +67,17 @@ TEST_F(Determinism, LevelsAloneAreTheSameBytesTooAndOthersThanRefinedDepth) {
   EXPECT_THAT(Differences(levels, Run(2, {"--refine", "1"})), SizeIs(3 * 4 + 1));
 }
 
+TEST_F(Determinism, ConfidenceIsTheSameBytesTooAndChangesNoDepth) {
+  auto one = Run(1, {"--confidence", "on"});
+  EXPECT_THAT(one, SizeIs(2 * 3 * 4 + 1)) << "depth and confidence of 3 cameras x 4 frames, depth.json";
+  EXPECT_THAT(Differences(one, Run(3, {"--confidence", "on"})), IsEmpty());
+  auto plain = Run(2, {});
+  std::erase_if(one, [](const auto& file) { return file.first.starts_with("confidence"); });
+  one.erase("depth.json");
+  plain.erase("depth.json");
+  EXPECT_THAT(Differences(one, plain), IsEmpty());
+}
+
 TEST_F(Determinism, OneBlockIsOneBlockInEitherPartition) {
   auto blocks = Run(2, {"--level-blocks", "1", "--partition", "blocks"});
   auto interleaved = Run(2, {"--level-blocks", "1", "--partition", "interleaved"});

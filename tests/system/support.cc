@@ -87,8 +87,10 @@ std::map<std::string, std::string> DepthOf(const fs::path& output_dir) {
   std::map<std::string, std::string> files;
   std::error_code error;
   if (fs::exists(output_dir / "depth.json", error)) files["depth.json"] = ReadFile(output_dir / "depth.json");
-  for (const auto& entry : fs::recursive_directory_iterator(output_dir / "depth", error)) {
-    if (entry.is_regular_file()) files[fs::relative(entry.path(), output_dir).string()] = ReadFile(entry.path());
+  for (const char* folder : {"depth", "confidence"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(output_dir / folder, error)) {
+      if (entry.is_regular_file()) files[fs::relative(entry.path(), output_dir).string()] = ReadFile(entry.path());
+    }
   }
   return files;
 }

@@ -68,7 +68,7 @@ struct SceneSize {
 [[nodiscard]] Words SmallJob();
 [[nodiscard]] Words operator+(Words first, const Words& second);
 
-// Relative path -> content of depth.json and every file below DIR/depth.
+// Relative path -> content of depth.json and every file below DIR/depth and DIR/confidence.
 [[nodiscard]] std::map<std::string, std::string> DepthOf(const std::filesystem::path& output_dir);
 // The names that differ, for a readable failure.
 [[nodiscard]] Words Differences(const std::map<std::string, std::string>& first,

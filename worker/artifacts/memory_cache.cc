@@ -29,6 +29,8 @@ std::uint64_t MemoryBytes(const RefinedView& view) {
          VectorBytes(view.plane_of_pixel.values());
 }
 
+std::uint64_t MemoryBytes(const ConfidenceMap& map) { return sizeof(ConfidenceMap) + VectorBytes(map.codes.values()); }
+
 void MemoryCache::Erase(const ArtifactKey& key) {
   const auto found = entries_.find(key);
   if (found == entries_.end()) return;

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "common/job/task.h"
+#include "worker/confidence/confidence.h"
 #include "worker/estimation/label_field.h"
 #include "worker/refinement/plane_field.h"
 #include "worker/segmentation/analysis.h"
@@ -19,6 +20,7 @@ namespace depthfarm {
 [[nodiscard]] std::uint64_t MemoryBytes(const ViewAnalysis& analysis);
 [[nodiscard]] std::uint64_t MemoryBytes(const LabelField& field);
 [[nodiscard]] std::uint64_t MemoryBytes(const RefinedView& view);
+[[nodiscard]] std::uint64_t MemoryBytes(const ConfidenceMap& map);
 
 // Decoded artifacts by key, so that the blocks of a frame on one worker share its analysis instead of decoding it anew.
 // Bounded by the bytes of what it holds: the least recently used goes first, and an object larger than the bound is not
@@ -28,7 +30,7 @@ class MemoryCache {
  public:
   explicit MemoryCache(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
-  // T: ViewAnalysis, LabelField or RefinedView.
+  // T: ViewAnalysis, LabelField, RefinedView or ConfidenceMap.
   template <typename T>
   void Put(const ArtifactKey& key, std::shared_ptr<const T> object) {
     const std::uint64_t bytes = MemoryBytes(*object);
@@ -47,7 +49,7 @@ class MemoryCache {
 
  private:
   using Object = std::variant<std::shared_ptr<const ViewAnalysis>, std::shared_ptr<const LabelField>,
-                              std::shared_ptr<const RefinedView>>;
+                              std::shared_ptr<const RefinedView>, std::shared_ptr<const ConfidenceMap>>;
   struct Entry {
     ArtifactKey key{};
     Object object;

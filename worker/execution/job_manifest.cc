@@ -30,10 +30,17 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"maxSweeps", integer(params.max_sweeps)},
       {"neighbours", integer(params.neighbours)},
       {"refineRounds", integer(params.refine_rounds)},
+      {"holes", params.holes},
       {"downscale", integer(params.downscale)},
   };
   for (const JobView& view : job.views) parameters["segments/" + view.camera.name] = integer(view.segments);
   return parameters;
+}
+
+Status AddFile(const OutputFile& file, const std::string& expected, std::vector<DepthManifestFile>& files) {
+  if (file.path != expected) return InvalidArgument("manifest: file '" + file.path + "', expected '" + expected + "'");
+  files.push_back({expected, Hex(file.sha256)});
+  return {};
 }
 
 }  // namespace
@@ -43,10 +50,12 @@ Result<DepthManifest> ManifestOf(const JobConfig& config, const std::vector<Outp
   const ResolvedJob& job = config.resolved;
   const auto num_frames = static_cast<std::size_t>(job.num_frames);
   const std::size_t num_views = job.views.size();
-  if (files.size() != num_frames * num_views || picture_digests.size() != num_frames * num_views) {
+  const std::size_t maps = job.params.confidence ? 2 : 1;  // of a view and frame
+  if (files.size() != num_frames * num_views * maps || picture_digests.size() != num_frames * num_views) {
     return InvalidArgument("manifest of " + std::to_string(num_frames) + " frames and " + std::to_string(num_views) +
                            " views: " + std::to_string(files.size()) + " files and " +
                            std::to_string(picture_digests.size()) + " picture digests, expected " +
+                           std::to_string(num_frames * num_views * maps) + " and " +
                            std::to_string(num_frames * num_views));
   }
   DepthManifest manifest{.sequence = config.sequence_name,
@@ -60,14 +69,17 @@ Result<DepthManifest> ManifestOf(const JobConfig& config, const std::vector<Outp
                                .z_near = view.own_range.z_near,
                                .z_far = view.own_range.z_far,
                                .files = {},
+                               .confidence = {},
                                .input_sha256 = {}};
     for (std::size_t frame = 0; frame < num_frames; ++frame) {
-      const OutputFile& file = files[frame * num_views + v];
-      const std::string expected = DepthFileName(view.camera.name, job.params.first_frame + static_cast<int>(frame));
-      if ("depth/" + file.path != expected) {
-        return InvalidArgument("manifest: file 'depth/" + file.path + "', expected '" + expected + "'");
+      const int in_sequence = job.params.first_frame + static_cast<int>(frame);
+      const std::size_t first_of_frame = frame * num_views * maps;
+      DEPTHFARM_RETURN_IF_ERROR(
+          AddFile(files[first_of_frame + v], DepthFileName(view.camera.name, in_sequence), camera.files));
+      if (job.params.confidence) {
+        DEPTHFARM_RETURN_IF_ERROR(AddFile(files[first_of_frame + num_views + v],
+                                          ConfidenceFileName(view.camera.name, in_sequence), camera.confidence));
       }
-      camera.files.push_back({expected, Hex(file.sha256)});
       camera.input_sha256.push_back(Hex(picture_digests[frame * num_views + v]));
     }
     manifest.cameras.push_back(std::move(camera));

@@ -17,6 +17,7 @@ constexpr const char* kDepthMarker = ".depthfarm-job";
 constexpr const char* kViewsMarker = ".depthfarm-views-job";
 constexpr const char* kStaging = ".depthfarm-staging";
 constexpr const char* kDepth = "depth";
+constexpr const char* kConfidence = "confidence";
 constexpr const char* kViews = "views";
 
 // One component of a path: it cannot lead anywhere else.
@@ -65,35 +66,39 @@ fs::path OutputFolder::Marker() const {
   return dir_ / (content_ == OutputContent::kDepth ? kDepthMarker : kViewsMarker);
 }
 
-fs::path OutputFolder::Files() const { return dir_ / (content_ == OutputContent::kDepth ? kDepth : kViews); }
-
-fs::path OutputFolder::Target(const OutputFile& file) const {
-  return content_ == OutputContent::kDepth ? Files() / file.path : dir_ / file.path;
+std::vector<fs::path> OutputFolder::Folders() const {
+  if (content_ == OutputContent::kViews) return {dir_ / kViews};
+  return {dir_ / kDepth, dir_ / kConfidence};
 }
 
-// "<camera>/<file>" of depth, "views/<file>" of views.
+// "depth/<camera>/<file>", "confidence/<camera>/<file>" or "views/<file>".
 Status OutputFolder::CheckOutputPath(const std::string& path) const {
-  const std::size_t slash = path.find('/');
-  if (slash != std::string::npos && IsPlainName(std::string_view(path).substr(0, slash)) &&
-      IsPlainName(std::string_view(path).substr(slash + 1)) &&
-      (content_ == OutputContent::kDepth || path.substr(0, slash) == kViews)) {
-    return {};
+  std::vector<std::string_view> names;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    names.push_back(std::string_view(path).substr(begin, end - begin));
+    begin = end + 1;
   }
+  const bool plain = std::ranges::all_of(names, IsPlainName);
+  const bool views = content_ == OutputContent::kViews;
+  const bool known = views ? names.front() == kViews : names.front() == kDepth || names.front() == kConfidence;
+  if (plain && known && names.size() == (views ? 2 : 3)) return {};
   return InvalidArgument("output file '" + path + "': expected " +
-                         (content_ == OutputContent::kDepth ? "<camera>" : kViews) + "/<file>");
+                         (views ? "views/<file>" : "depth/<camera>/<file> or confidence/<camera>/<file>"));
 }
 
 Status OutputFolder::Prepare() const {
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(dir_.string()));
   const bool ours = Exists(Manifest()) || Exists(Marker());
-  if (Exists(Files()) && !ours) {
-    return InvalidArgument(Files().string() + ": exists and was not made by depthfarm (no " +
+  for (const fs::path& folder : Folders()) {
+    if (!Exists(folder) || ours) continue;
+    return InvalidArgument(folder.string() + ": exists and was not made by depthfarm (no " +
                            Manifest().filename().string() + " beside it): choose another folder");
   }
   // The marker first: a worker that dies below leaves a folder that is still known to be ours.
   DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically((Marker()).string(), "a depthfarm job writes into this folder\n"));
   DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Manifest()));
-  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Files()));
+  for (const fs::path& folder : Folders()) DEPTHFARM_RETURN_IF_ERROR(RemoveAll(folder));
   return RemoveStaging();
 }
 
@@ -122,7 +127,7 @@ Status OutputFolder::Commit(const std::string& staging, const std::vector<Output
 
 Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file) const {
   const fs::path source = staging / file.path;
-  const fs::path target = Target(file);
+  const fs::path target = dir_ / file.path;
   if (!Exists(source)) {
     if (Exists(target)) return CheckContent(target, file);  // an earlier attempt of this commit got that far
     return Unavailable(source.string() + ": is missing, and so is " + target.string());

@@ -13,7 +13,7 @@ namespace depthfarm {
 
 // What a job makes.
 enum class OutputContent {
-  kDepth,  // DIR/depth, DIR/depth.json
+  kDepth,  // DIR/depth, DIR/confidence, DIR/depth.json
   kViews,  // DIR/views, DIR/views.json
 };
 
@@ -21,19 +21,19 @@ enum class OutputContent {
 //
 //   DIR/.depthfarm-job              marker: a job owns the folder (DIR/.depthfarm-views-job)
 //   DIR/.depthfarm-staging/<name>/  files of one attempt of Emit or Render
-//   DIR/depth/<camera>/<frame>.png  committed files; DIR/views/<number>.png
+//   DIR/depth/<camera>/<frame>.png  committed files; DIR/confidence/<camera>/<frame>.png, DIR/views/<number>.png
 //   DIR/depth.json, DIR/views.json  last of all
 //
-// Every path from a task is checked to be plain names below these. Every function may be called again after a worker
-// died in the middle of it. Errors: kInvalidArgument for paths and foreign folders, else kUnavailable; all name the
-// path.
+// Files are named relative to DIR. Every path from a task is checked to be plain names below these. Every function may
+// be called again after a worker died in the middle of it. Errors: kInvalidArgument for paths and foreign folders, else
+// kUnavailable; all name the path.
 class OutputFolder {
  public:
   // Touches nothing. kInvalidArgument unless `dir` is absolute and without "..".
   [[nodiscard]] static Result<OutputFolder> At(const std::string& dir, OutputContent content = OutputContent::kDepth);
 
-  // Makes the folder ready for a job: an older result of the same content is removed. kInvalidArgument when DIR/depth
-  // (DIR/views) exists but nothing says that depthfarm made it.
+  // Makes the folder ready for a job: an older result of the same content is removed. kInvalidArgument when one
+  // of the folders it writes into exists but nothing says that depthfarm made it.
   [[nodiscard]] Status Prepare() const;
   // Writes a file of an attempt, in whole or not at all. kUnavailable when the folder belongs to no job (any more).
   [[nodiscard]] Status Stage(const std::string& staging, const std::string& path, std::string_view bytes) const;
@@ -49,8 +49,7 @@ class OutputFolder {
   OutputFolder(std::filesystem::path dir, OutputContent content) : dir_(std::move(dir)), content_(content) {}
   [[nodiscard]] std::filesystem::path Manifest() const;
   [[nodiscard]] std::filesystem::path Marker() const;
-  [[nodiscard]] std::filesystem::path Files() const;  // DIR/depth, DIR/views
-  [[nodiscard]] std::filesystem::path Target(const OutputFile& file) const;
+  [[nodiscard]] std::vector<std::filesystem::path> Folders() const;  // of committed files
   [[nodiscard]] Status CheckOutputPath(const std::string& path) const;
   [[nodiscard]] Result<std::filesystem::path> StagingOf(const std::string& staging) const;
   [[nodiscard]] Status CommitFile(const std::filesystem::path& staging, const OutputFile& file) const;

@@ -12,6 +12,8 @@
 #include "common/media/colour_map.h"
 #include "common/media/depth_file.h"
 #include "common/media/picture_reader.h"
+#include "worker/confidence/confidence.h"
+#include "worker/confidence/confidence_codec.h"
 #include "worker/estimation/estimation.h"
 #include "worker/estimation/label_field_codec.h"
 #include "worker/execution/analysis_key.h"
@@ -55,7 +57,8 @@ Status CheckFrame(const TaskSpec& spec, const ResolvedJob& job) {
 // A rendering job has no cameras to estimate, another one no views to render.
 Status CheckKind(const TaskId& id, const JobConfig& config) {
   const bool of_estimation = id.kind == TaskKind::kAnalyse || id.kind == TaskKind::kEstimate ||
-                             id.kind == TaskKind::kMerge || id.kind == TaskKind::kRefine || id.kind == TaskKind::kEmit;
+                             id.kind == TaskKind::kMerge || id.kind == TaskKind::kRefine ||
+                             id.kind == TaskKind::kAssess || id.kind == TaskKind::kEmit;
   if (config.render ? !of_estimation : id.kind != TaskKind::kRender) return {};
   return InvalidArgument(TaskName(id) + ": the job " + (config.render ? "renders views" : "estimates depth"));
 }
@@ -76,6 +79,14 @@ std::vector<ArtifactKey> KeysOf(const TaskSpec& spec) {
 
 std::string Encode(const LabelField& field) { return EncodeLabelField(field); }
 std::string Encode(const RefinedView& view) { return EncodeRefinedView(view); }
+std::string Encode(const ConfidenceMap& map) { return EncodeConfidence(map); }
+
+// Leaves no depth where its confidence is less than `least`.
+void MakeHoles(const ConfidenceMap& confidence, double least, Grid<std::uint16_t>& codes) {
+  const double bound = least * kConfidenceScale;
+  for (std::size_t i = 0; i < codes.size(); ++i)
+    if (confidence.codes.values()[i] < bound) codes.values()[i] = 0;
+}
 
 // Round 0 of Refine.
 Result<RefinedView> StartOf(const TaskSpec& spec, const ResolvedJob& job, const TaskInputs& inputs) {
@@ -139,6 +150,8 @@ Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
       return Merge(task, outcome);
     case TaskKind::kRefine:
       return Refine(task, outcome);
+    case TaskKind::kAssess:
+      return Assess(task, outcome);
     case TaskKind::kEmit:
       return Emit(task, outcome);
     case TaskKind::kRender:
@@ -261,9 +274,25 @@ Status TaskExecutor::Refine(const Task& task, TaskOutcome& outcome) {
   return Store(task, std::move(*refined), outcome);
 }
 
+Status TaskExecutor::Assess(const Task& task, TaskOutcome& outcome) {
+  const ResolvedJob& job = task.job();
+  const int view = task.spec.id.index;
+  if (!task.spec.output_key.has_value() || view < 0 || view >= job.num_views()) {
+    return InvalidArgument(TaskName(task.spec.id) + ": expected an output key and a view below " +
+                           std::to_string(job.num_views()));
+  }
+  if (Reuse<ConfidenceMap>(task, outcome)) return {};
+  DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
+  Result<ConfidenceMap> map = AssessView(job, view, task.inputs.ListedAnalyses(InputRole::kAnalysis),
+                                         task.inputs.ListedRefined(InputRole::kRefined), task.stop);
+  if (!map.ok()) return map.status().WithContext(task.FrameName());
+  return Store(task, std::move(*map), outcome);
+}
+
 Status TaskExecutor::EmitRefined(const Task& task, TaskOutcome& outcome) {
   const ResolvedJob& job = task.job();
   const FrameRefinement refined = task.inputs.ListedRefined(InputRole::kRefined);
+  const auto confidence = task.inputs.ListedConfidence();
   for (int view = 0; view < job.num_views(); ++view) {
     const auto v = static_cast<std::size_t>(view);
     const Camera& camera = job.views[v].camera;
@@ -271,7 +300,20 @@ Status TaskExecutor::EmitRefined(const Task& task, TaskOutcome& outcome) {
         refined[v]->plane_of_pixel.height() != camera.height) {
       return InvalidArgument("camera '" + camera.name + "' has no refined depth of its size");
     }
-    DEPTHFARM_RETURN_IF_ERROR(EmitView(task, v, RefinedDepthCodes(job, view, *refined[v]), outcome));
+    Grid<std::uint16_t> codes = RefinedDepthCodes(job, view, *refined[v]);
+    if (job.params.assesses()) {
+      if (confidence[v] == nullptr || confidence[v]->codes.size() != codes.size())
+        return InvalidArgument("camera '" + camera.name + "' has no confidence map of its size");
+      MakeHoles(*confidence[v], job.params.holes, codes);
+    }
+    DEPTHFARM_RETURN_IF_ERROR(
+        EmitMap(task, camera.name, DepthFileName(camera.name, task.SequenceFrame()), codes, outcome));
+  }
+  if (!job.params.confidence) return {};
+  for (std::size_t v = 0; v < confidence.size(); ++v) {
+    const std::string& camera = job.views[v].camera.name;
+    DEPTHFARM_RETURN_IF_ERROR(
+        EmitMap(task, camera, ConfidenceFileName(camera, task.SequenceFrame()), confidence[v]->codes, outcome));
   }
   return {};
 }
@@ -285,19 +327,18 @@ Status TaskExecutor::EmitLabels(const Task& task, TaskOutcome& outcome) {
   for (std::size_t v = 0; v < analysis.size(); ++v) {
     const Grid<std::uint16_t> codes =
         DepthCodes(job, static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]);
-    DEPTHFARM_RETURN_IF_ERROR(EmitView(task, v, codes, outcome));
+    const std::string& camera = job.views[v].camera.name;
+    DEPTHFARM_RETURN_IF_ERROR(EmitMap(task, camera, DepthFileName(camera, task.SequenceFrame()), codes, outcome));
   }
   return {};
 }
 
-Status TaskExecutor::EmitView(const Task& task, std::size_t view, const Grid<std::uint16_t>& codes,
-                              TaskOutcome& outcome) {
+Status TaskExecutor::EmitMap(const Task& task, const std::string& camera, const std::string& path,
+                             const Grid<std::uint16_t>& codes, TaskOutcome& outcome) {
   if (task.stop.stop_requested()) return Cancelled();
-  const std::string& camera = task.job().views[view].camera.name;
   Result<std::string> png = EncodeDepthPng(codes);
   if (!png.ok()) return png.status().WithContext("camera '" + camera + "'");
-  const std::string in_depth = DepthFileName(camera, task.SequenceFrame());
-  return Stage(task, in_depth.substr(in_depth.find('/') + 1), *png, outcome);
+  return Stage(task, path, *png, outcome);
 }
 
 Status TaskExecutor::Stage(const Task& task, std::string path, const std::string& bytes, TaskOutcome& outcome) {

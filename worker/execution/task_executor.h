@@ -48,6 +48,7 @@ class TaskExecutor {
   [[nodiscard]] Status Estimate(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Merge(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Refine(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status Assess(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Emit(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] static Status Render(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Commit(const Task& task);
@@ -56,9 +57,10 @@ class TaskExecutor {
   [[nodiscard]] static Status EmitLabels(const Task& task, TaskOutcome& outcome);
   // Writes a file of the attempt.
   [[nodiscard]] static Status Stage(const Task& task, std::string path, const std::string& bytes, TaskOutcome& outcome);
-  [[nodiscard]] static Status EmitView(const Task& task, std::size_t view, const Grid<std::uint16_t>& codes,
-                                       TaskOutcome& outcome);
-  // Whether the artifact (T: LabelField, RefinedView) that the task is to make is here already.
+  // A map of a camera as a 16-bit PNG.
+  [[nodiscard]] static Status EmitMap(const Task& task, const std::string& camera, const std::string& path,
+                                      const Grid<std::uint16_t>& codes, TaskOutcome& outcome);
+  // Whether the artifact (T: LabelField, RefinedView, ConfidenceMap) that the task is to make is here already.
   template <typename T>
   [[nodiscard]] bool Reuse(const Task& task, TaskOutcome& outcome);
   template <typename T>

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "worker/confidence/confidence_codec.h"
 #include "worker/estimation/label_field_codec.h"
 #include "worker/refinement/refined_view_codec.h"
 #include "worker/segmentation/analysis_codec.h"
@@ -19,6 +20,8 @@ bool IsAnalysis(InputRole role) {
 bool IsRefined(InputRole role) {
   return role == InputRole::kRefined || role == InputRole::kPreviousRefined || role == InputRole::kIRefined;
 }
+
+bool IsOfView(InputRole role) { return IsAnalysis(role) || IsRefined(role) || role == InputRole::kConfidence; }
 
 std::string RoleName(InputRole role) {
   switch (role) {
@@ -40,6 +43,8 @@ std::string RoleName(InputRole role) {
       return "I frame refined depth";
     case InputRole::kRefined:
       return "refined depth";
+    case InputRole::kConfidence:
+      return "confidence";
   }
   return "unknown";
 }
@@ -51,6 +56,8 @@ Result<std::shared_ptr<const T>> Decode(const std::string& bytes) {
       return DecodeAnalysis(bytes);
     } else if constexpr (std::is_same_v<T, LabelField>) {
       return DecodeLabelField(bytes);
+    } else if constexpr (std::is_same_v<T, ConfidenceMap>) {
+      return DecodeConfidence(bytes);
     } else {
       return DecodeRefinedView(bytes);
     }
@@ -66,7 +73,7 @@ Status TaskInputs::Load(const TaskSpec& spec, int num_views) {
   Status failure;
   for (const TaskInput& input : spec.inputs) {
     if (stop_.stop_requested()) return Cancelled();
-    if ((IsAnalysis(input.role) || IsRefined(input.role)) && (input.view < 0 || input.view >= num_views)) {
+    if (IsOfView(input.role) && (input.view < 0 || input.view >= num_views)) {
       return InvalidArgument("input of view " + std::to_string(input.view) + " of a job with " +
                              std::to_string(num_views) + " views");
     }
@@ -90,9 +97,16 @@ Status TaskInputs::LoadOne(const TaskInput& input) {
     cache_.Erase(key);
     store_.Drop(key);
   }
-  Loaded loaded{.role = input.role, .view = input.view, .analysis = nullptr, .labels = nullptr, .refined = nullptr};
+  Loaded loaded{.role = input.role,
+                .view = input.view,
+                .analysis = nullptr,
+                .labels = nullptr,
+                .refined = nullptr,
+                .confidence = nullptr};
   if (IsAnalysis(input.role)) {
     DEPTHFARM_ASSIGN_OR_RETURN(loaded.analysis, FindOrFetch<ViewAnalysis>(input));
+  } else if (input.role == InputRole::kConfidence) {
+    DEPTHFARM_ASSIGN_OR_RETURN(loaded.confidence, FindOrFetch<ConfidenceMap>(input));
   } else if (IsRefined(input.role)) {
     DEPTHFARM_ASSIGN_OR_RETURN(loaded.refined, FindOrFetch<RefinedView>(input));
   } else {
@@ -139,6 +153,7 @@ std::shared_ptr<const T> TaskInputs::Find(const ArtifactKey& key) {
 template std::shared_ptr<const ViewAnalysis> TaskInputs::Find(const ArtifactKey&);
 template std::shared_ptr<const LabelField> TaskInputs::Find(const ArtifactKey&);
 template std::shared_ptr<const RefinedView> TaskInputs::Find(const ArtifactKey&);
+template std::shared_ptr<const ConfidenceMap> TaskInputs::Find(const ArtifactKey&);
 
 FrameAnalysis TaskInputs::ListedAnalyses(InputRole role) const {
   FrameAnalysis analyses(static_cast<std::size_t>(num_views_));
@@ -152,6 +167,13 @@ FrameRefinement TaskInputs::ListedRefined(InputRole role) const {
   for (const Loaded& loaded : loaded_)
     if (loaded.role == role) refined[static_cast<std::size_t>(loaded.view)] = loaded.refined;
   return refined;
+}
+
+std::vector<std::shared_ptr<const ConfidenceMap>> TaskInputs::ListedConfidence() const {
+  std::vector<std::shared_ptr<const ConfidenceMap>> maps(static_cast<std::size_t>(num_views_));
+  for (const Loaded& loaded : loaded_)
+    if (loaded.role == InputRole::kConfidence) maps[static_cast<std::size_t>(loaded.view)] = loaded.confidence;
+  return maps;
 }
 
 Result<FrameAnalysis> TaskInputs::Analyses(InputRole role) const {

@@ -10,6 +10,7 @@
 #include "common/job/task_spec.h"
 #include "worker/artifacts/memory_cache.h"
 #include "worker/artifacts/store.h"
+#include "worker/confidence/confidence.h"
 #include "worker/estimation/estimation.h"
 #include "worker/execution/artifact_fetcher.h"
 #include "worker/refinement/refine.h"
@@ -32,11 +33,12 @@ class TaskInputs {
   // Of a role, by view; null for views that the task does not list.
   [[nodiscard]] FrameAnalysis ListedAnalyses(InputRole role) const;
   [[nodiscard]] FrameRefinement ListedRefined(InputRole role) const;
+  [[nodiscard]] std::vector<std::shared_ptr<const ConfidenceMap>> ListedConfidence() const;
   // Of a role, in the order of the task. kInvalidArgument unless there are `count`.
   [[nodiscard]] Result<std::vector<std::shared_ptr<const LabelField>>> Labels(InputRole role, std::size_t count) const;
 
   // From memory or the store alone; null when it is not there (or is damaged: then it is dropped).
-  // T: ViewAnalysis, LabelField or RefinedView.
+  // T: ViewAnalysis, LabelField, RefinedView or ConfidenceMap.
   template <typename T>
   [[nodiscard]] std::shared_ptr<const T> Find(const ArtifactKey& key);
 
@@ -51,6 +53,7 @@ class TaskInputs {
     std::shared_ptr<const ViewAnalysis> analysis;  // of the analysis roles
     std::shared_ptr<const LabelField> labels;      // of the label roles
     std::shared_ptr<const RefinedView> refined;    // of the refined roles
+    std::shared_ptr<const ConfidenceMap> confidence;
   };
   [[nodiscard]] Status LoadOne(const TaskInput& input);
   [[nodiscard]] Result<std::string> FetchAndStore(const TaskInput& input);

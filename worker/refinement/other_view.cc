@@ -20,23 +20,6 @@ int Nearest(double position) {
   return static_cast<int>(half_up);
 }
 
-double MisfitOf(const Colour& own, const OtherView& other, const Seen& seen) {
-  const double t = SquaredDistance(SampleAt(*other.colour, seen.x, seen.y), own) /
-                   (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
-  return t / (1 + t);
-}
-
-// Whether all pixels around where a point appears show what is farther. One that does not is enough to believe in the
-// point: contours of two views do not meet to the pixel.
-bool SeesThrough(const InverseDepthMap& map, const Seen& seen) {
-  const int cx = Nearest(seen.x);
-  const int cy = Nearest(seen.y);
-  for (int y = std::max(0, cy - 1); y <= std::min(map.height() - 1, cy + 1); ++y)
-    for (int x = std::max(0, cx - 1); x <= std::min(map.width() - 1, cx + 1); ++x)
-      if (map(x, y) >= seen.u_in_other - kHiddenBy) return false;
-  return true;
-}
-
 }  // namespace
 
 std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& other_map, double x, double y, double u) {
@@ -76,16 +59,35 @@ double MeasureNoise(const ColourGrid& own, const InverseDepthMap& map, const Oth
   return std::max(kNoiseFloor, std::sqrt(*middle) / kMedianOfNorm);
 }
 
+double DepthAt(const InverseDepthMap& other_map, const Seen& seen) {
+  return other_map(Nearest(seen.x), Nearest(seen.y));
+}
+
+bool SeesThrough(const InverseDepthMap& other_map, const Seen& seen) {
+  const int cx = Nearest(seen.x);
+  const int cy = Nearest(seen.y);
+  for (int y = std::max(0, cy - 1); y <= std::min(other_map.height() - 1, cy + 1); ++y)
+    for (int x = std::max(0, cx - 1); x <= std::min(other_map.width() - 1, cx + 1); ++x)
+      if (other_map(x, y) >= seen.u_in_other - kHiddenBy) return false;
+  return true;
+}
+
+double MisfitAt(const Colour& own, const OtherView& other, const Seen& seen) {
+  const double t = SquaredDistance(SampleAt(*other.colour, seen.x, seen.y), own) /
+                   (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
+  return t / (1 + t);
+}
+
 std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u) {
   const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
   if (!seen) return std::nullopt;
-  return MisfitOf(own, other, *seen);
+  return MisfitAt(own, other, *seen);
 }
 
 std::optional<double> MisfitInFreeSpace(const Colour& own, const OtherView& other, double x, double y, double u) {
   const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
   if (!seen) return std::nullopt;
-  const double rho = MisfitOf(own, other, *seen);
+  const double rho = MisfitAt(own, other, *seen);
   return SeesThrough(*other.map, *seen) ? std::min(1.0, 2 * rho + kInMidAir) : rho;
 }
 

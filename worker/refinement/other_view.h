@@ -42,11 +42,21 @@ struct OtherView {
 // Robust standard deviation of the colour differences of a view against another, at least 1.5 grey levels.
 [[nodiscard]] double MeasureNoise(const ColourGrid& own, const InverseDepthMap& map, const OtherView& other);
 
+// Depth (u of the other view) at the pixel where a point appears.
+[[nodiscard]] double DepthAt(const InverseDepthMap& other_map, const Seen& seen);
+
+// Whether all 3 x 3 pixels around where a point appears show what is more than a pixel of u farther. One that does not
+// is enough to believe in the point: contours of two views do not meet to the pixel.
+[[nodiscard]] bool SeesThrough(const InverseDepthMap& other_map, const Seen& seen);
+
+// rho of a pixel that appears there: 0 (its colour fits) to 1.
+[[nodiscard]] double MisfitAt(const Colour& own, const OtherView& other, const Seen& seen);
+
 // rho of a pixel at u in one other view: 0 (fits) to 1; nullopt where it is not seen.
 [[nodiscard]] std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u);
 
-// The same, but 2 rho + 0.03 (at most 1) where the other view sees through the point: where all 3 x 3 pixels around
-// show what is more than a pixel of u farther. Between two surfaces that fit alike it is not the one in mid-air.
+// The same, but 2 rho + 0.03 (at most 1) where the other view sees through the point: between two surfaces that fit
+// alike it is not the one in mid-air.
 [[nodiscard]] std::optional<double> MisfitInFreeSpace(const Colour& own, const OtherView& other, double x, double y,
                                                       double u);
 

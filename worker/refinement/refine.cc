@@ -40,26 +40,6 @@ Status CheckView(const ResolvedJob& job, int view) {
                          " views is to be refined");
 }
 
-Status CheckInputs(const ResolvedJob& job, int view, const FrameAnalysis& analysis, const FrameRefinement& before) {
-  if (analysis.size() != job.views.size() || before.size() != job.views.size()) {
-    return InvalidArgument("there are " + std::to_string(analysis.size()) + " analyses and " +
-                           std::to_string(before.size()) + " refined views for " + std::to_string(job.views.size()) +
-                           " views");
-  }
-  std::vector<int> read = job.views[static_cast<std::size_t>(view)].compared;
-  read.push_back(view);
-  for (const int other : read) {
-    const auto o = static_cast<std::size_t>(other);
-    const Camera& camera = job.views[o].camera;
-    if (analysis[o] == nullptr || before[o] == nullptr) {
-      return InvalidArgument("camera '" + camera.name + "' has no analysis or no depth of the round before");
-    }
-    DEPTHFARM_RETURN_IF_ERROR(CheckPicture(camera, *analysis[o]));
-    DEPTHFARM_RETURN_IF_ERROR(CheckRefined(*analysis[o], *before[o]).WithContext("camera '" + camera.name + "'"));
-  }
-  return {};
-}
-
 // Surfaces without texture, each as a whole. `blurred`: whether `own` and the colours of `others` are smoothed already.
 void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const ColourGrid& own,
                    std::span<const OtherView> others, bool blurred, RefinedView& refined, const std::stop_token& stop) {
@@ -80,6 +60,28 @@ void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const Colour
 }
 
 }  // namespace
+
+Status CheckViewInputs(const ResolvedJob& job, int view, const FrameAnalysis& analysis,
+                       const FrameRefinement& refined) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckView(job, view));
+  if (analysis.size() != job.views.size() || refined.size() != job.views.size()) {
+    return InvalidArgument("there are " + std::to_string(analysis.size()) + " analyses and " +
+                           std::to_string(refined.size()) + " refined views for " + std::to_string(job.views.size()) +
+                           " views");
+  }
+  std::vector<int> read = job.views[static_cast<std::size_t>(view)].compared;
+  read.push_back(view);
+  for (const int other : read) {
+    const auto o = static_cast<std::size_t>(other);
+    const Camera& camera = job.views[o].camera;
+    if (analysis[o] == nullptr || refined[o] == nullptr) {
+      return InvalidArgument("camera '" + camera.name + "' has no analysis or no refined depth");
+    }
+    DEPTHFARM_RETURN_IF_ERROR(CheckPicture(camera, *analysis[o]));
+    DEPTHFARM_RETURN_IF_ERROR(CheckRefined(*analysis[o], *refined[o]).WithContext("camera '" + camera.name + "'"));
+  }
+  return {};
+}
 
 Status CheckRefined(const ViewAnalysis& analysis, const RefinedView& refined) {
   const Grid<SegmentIndex>& labels = analysis.segments.labels;
@@ -126,13 +128,12 @@ Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const View
 
 Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
                                const FrameRefinement& before, const std::stop_token& stop) {
-  DEPTHFARM_RETURN_IF_ERROR(CheckView(job, view));
   const int rounds = job.params.refine_rounds;
   if (round < 1 || round > rounds) {
     return InvalidArgument("refinement round " + std::to_string(round) + " of " + std::to_string(rounds) +
                            " is asked for");
   }
-  DEPTHFARM_RETURN_IF_ERROR(CheckInputs(job, view, analysis, before));
+  DEPTHFARM_RETURN_IF_ERROR(CheckViewInputs(job, view, analysis, before));
   const auto v = static_cast<std::size_t>(view);
   const auto& kept = before[v]->kept;
   if (std::find(kept.begin(), kept.end(), 0) == kept.end()) return *before[v];  // nothing may move

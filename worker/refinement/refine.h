@@ -45,6 +45,11 @@ struct RefinementReferences {
 // of the view; else within the view's own range.
 [[nodiscard]] Grid<std::uint16_t> RefinedDepthCodes(const ResolvedJob& job, int view, const RefinedView& refined);
 
+// kInvalidArgument unless `view` is one of the job's and it and those it is compared with have analysis and depth that
+// fit their cameras and each other; names the camera.
+[[nodiscard]] Status CheckViewInputs(const ResolvedJob& job, int view, const FrameAnalysis& analysis,
+                                     const FrameRefinement& refined);
+
 // kInvalidArgument unless `refined` fits the segments of `analysis`.
 [[nodiscard]] Status CheckRefined(const ViewAnalysis& analysis, const RefinedView& refined);
 

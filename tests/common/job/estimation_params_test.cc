@@ -63,6 +63,19 @@ TEST(EstimationParams, RefusesValuesOutsideTheirBoundsByName) {
       {[](EstimationParams& p) { p.neighbours = 17; }, "neighbors is 17"},
       {[](EstimationParams& p) { p.refine_rounds = -1; }, "refine is -1"},
       {[](EstimationParams& p) { p.refine_rounds = 101; }, "refine is 101, expected 1 to 100 rounds, or 0"},
+      {[](EstimationParams& p) { p.holes = -0.1; }, "holes is -0.1, expected 0 to less than 1"},
+      {[](EstimationParams& p) { p.holes = 1; }, "holes is 1"},
+      {[](EstimationParams& p) { p.holes = std::nan(""); }, "holes is nan"},
+      {[](EstimationParams& p) {
+         p.holes = 0.5;
+         p.refine_rounds = 0;
+       },
+       "holes needs refined depth"},
+      {[](EstimationParams& p) {
+         p.confidence = true;
+         p.refine_rounds = 0;
+       },
+       "confidence needs refined depth: leave out --refine 0 (--preset paper)"},
       {[](EstimationParams& p) { p.downscale = 0; }, "downscale is 0"},
       {[](EstimationParams& p) { p.downscale = 3; }, "downscale is 3, expected 1, 2 or 4"},
       {[](EstimationParams& p) { p.downscale = 8; }, "downscale is 8"},
@@ -107,6 +120,7 @@ TEST(EstimationParams, AcceptsTheBoundsThemselves) {
       {[](EstimationParams& p) { p.max_sweeps = 0; }, "sweeps until nothing changes"},
       {[](EstimationParams& p) { p.neighbours = 16; }, "neighbors"},
       {[](EstimationParams& p) { p.refine_rounds = 0; }, "no refinement"},
+      {[](EstimationParams& p) { p.holes = 0.999; }, "only what is nearly certain"},
       {[](EstimationParams& p) { p.downscale = 4; }, "downscale"},
       {[](EstimationParams& p) { p.first_frame = 5, p.end_frame = 6; }, "one frame"},
   };

@@ -37,6 +37,30 @@ DepthManifest SmallManifest() {
   return manifest;
 }
 
+TEST(DepthManifest, HasConfidenceForEachDepthMapOrForNone) {
+  const TemporaryFolder folder;
+  DepthManifest manifest = SmallManifest();
+  EXPECT_THAT(FormatDepthManifest(manifest).value(), testing::Not(HasSubstr("confidence")));
+  for (DepthManifestCamera& camera : manifest.cameras)
+    for (int frame = 5; frame < 7; ++frame)
+      camera.confidence.push_back({ConfidenceFileName(camera.camera.name, frame), std::string(64, 'c')});
+  ASSERT_TRUE(WriteDepthManifest(folder.path().string(), manifest).ok());
+  const auto read = ReadDepthManifest(folder.path().string());
+  ASSERT_TRUE(read.ok()) << read.status().message();
+  EXPECT_EQ(read->cameras[1].confidence, manifest.cameras[1].confidence);
+  EXPECT_EQ(read->cameras[1].confidence[0].path, "confidence/b/0005.png");
+  const auto message = [](const DepthManifest& bad) { return FormatDepthManifest(bad).status().message(); };
+  DepthManifest fewer = manifest;
+  fewer.cameras[1].confidence.pop_back();
+  EXPECT_THAT(message(fewer), HasSubstr("camera 'b': has 2 files and 1 of confidence"));
+  DepthManifest outside = manifest;
+  outside.cameras[0].confidence[1].path = "../x.png";
+  EXPECT_THAT(message(outside), HasSubstr("camera 'a': confidence[1] is \"../x.png\""));
+  DepthManifest digest = manifest;
+  digest.cameras[0].confidence[1].sha256 = "no";
+  EXPECT_THAT(message(digest), HasSubstr("confidenceSha256[1] is not 64"));
+}
+
 TEST(DepthManifest, ComesBackAsItWasToTheLastBit) {
   const TemporaryFolder folder;
   const DepthManifest written = SmallManifest();

@@ -73,6 +73,8 @@ EstimationParams TestParams() {
   params.max_sweeps = 9;
   params.neighbours = 1;
   params.refine_rounds = 7;
+  params.confidence = true;
+  params.holes = 0.25;
   params.downscale = 2;
   params.views = {"cam0", "cam2"};
   params.first_frame = 3;
@@ -187,6 +189,7 @@ TEST(ParamsWire, HostileValuesAreRefused) {
   EXPECT_TRUE(refused([](auto& p) { p.set_z_far(kInfinity); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_matching_offset(kInfinity); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_uniqueness(100); }));
+  EXPECT_TRUE(refused([](auto& p) { p.set_holes(1); }));
   EXPECT_TRUE(refused([](auto& p) { p.clear_partition(); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("../x"); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("cam0"); }));

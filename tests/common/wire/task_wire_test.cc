@@ -29,7 +29,7 @@ TaskSpec CommitSpec() {
   TaskSpec spec;
   spec.id = {JobId(3), 12, TaskKind::kCommit, 0, 0};
   spec.staging = "f12-a2-l345";
-  spec.files = {{"cam0/0012.png", Digest(6), 1000}, {"cam1/0012.png", Digest(7), 1001}};
+  spec.files = {{"depth/cam0/0012.png", Digest(6), 1000}, {"views/0012.png", Digest(7), 1001}};
   return spec;
 }
 
@@ -107,7 +107,7 @@ TEST(TaskSpecWire, HostileValuesAreRefused) {
   EXPECT_TRUE(refused(CommitSpec(), [](auto& s) { s.set_staging(".."); }));
   EXPECT_TRUE(refused(CommitSpec(), [](auto& s) { s.clear_staging(); }));
   for (const char* path :
-       {"", "a.png", "../a.png", "a/../b.png", "/a.png", "a/b/c.png", "a/b.exe", "./a.png", "a/\n.png"}) {
+       {"", "a.png", "../a.png", "a/../b.png", "/a.png", "a/b/c/d.png", "a//b.png", "a/b.exe", "./a.png", "a/\n.png"}) {
     EXPECT_TRUE(refused(CommitSpec(), [&](auto& s) { s.mutable_files(0)->set_path(path); })) << path;
   }
 }

@@ -114,6 +114,32 @@ TEST(RefinePlan, EmitReadsTheLastRoundOfEveryViewAndLabelsWithoutRefinement) {
   EXPECT_THAT(LabelInputs(levels, Id(TaskKind::kEmit, 0)), testing::ElementsAre(levels.FinalLabels(0)));
 }
 
+TEST(ConfidencePlan, IsJudgedByTheLastRoundOfTheViewAndThoseItIsComparedWith) {
+  const JobPlan plan(MakePlannedJob({.frames = 1, .views = 4, .refine = 2, .confidence = true}));
+  EXPECT_THAT(plan.Inputs(plan.Assessed(0, 3)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 0, 0), InputRole::kAnalysis, 0},
+                                   PlannedInput{Id(TaskKind::kAnalyse, 0, 3), InputRole::kAnalysis, 3},
+                                   PlannedInput{Id(TaskKind::kRefine, 0, 2, 0), InputRole::kRefined, 0},
+                                   PlannedInput{Id(TaskKind::kRefine, 0, 2, 3), InputRole::kRefined, 3}));
+}
+
+TEST(ConfidencePlan, IsEmittedBesideTheDepthOrMakesHolesInIt) {
+  PlannedJob job = MakePlannedJob({.frames = 1, .refine = 1, .confidence = true});
+  const auto inputs = [&] { return JobPlan(job).Inputs(Id(TaskKind::kEmit, 0)); };
+  EXPECT_THAT(inputs(), testing::ElementsAre(PlannedInput{Id(TaskKind::kRefine, 0, 1, 0), InputRole::kRefined, 0},
+                                             PlannedInput{Id(TaskKind::kRefine, 0, 1, 1), InputRole::kRefined, 1},
+                                             PlannedInput{Id(TaskKind::kAssess, 0, 0), InputRole::kConfidence, 0},
+                                             PlannedInput{Id(TaskKind::kAssess, 0, 1), InputRole::kConfidence, 1}));
+  EXPECT_THAT(JobPlan(job).OutputPaths(0),
+              testing::ElementsAre("depth/cam0/0000.png", "depth/cam1/0000.png", "confidence/cam0/0000.png",
+                                   "confidence/cam1/0000.png"));
+  job.config.resolved.params.confidence = false;
+  EXPECT_EQ(inputs().size(), 2U);
+  job.config.resolved.params.holes = 0.5;
+  EXPECT_EQ(inputs().size(), 4U);
+  EXPECT_EQ(JobPlan(job).OutputPaths(0).size(), 2U);
+}
+
 TEST(JobPlan, EmitWaitsForPrepareAndCommitForEmit) {
   const JobPlan plan(MakePlannedJob({}));
   EXPECT_THAT(plan.Prerequisites(Id(TaskKind::kEmit, 1)), testing::Contains(plan.OfJob(TaskKind::kPrepare)));
@@ -124,7 +150,8 @@ TEST(JobPlan, TotalsCountWhatTheGopsHoldAndPrerequisitesComeFirst) {
   for (const JobShape& shape : {JobShape{.frames = 7, .gop = 3, .views = 3, .blocks_i = 5, .blocks_p = 2},
                                 JobShape{.frames = 1, .gop = 10, .views = 2, .blocks_i = 1, .blocks_p = 1},
                                 JobShape{.frames = 4, .gop = 1, .views = 4, .blocks_i = 8, .blocks_p = 2},
-                                JobShape{.frames = 5, .gop = 3, .views = 3, .blocks_i = 2, .refine = 2}}) {
+                                JobShape{.frames = 5, .gop = 3, .views = 3, .blocks_i = 2, .refine = 2},
+                                JobShape{.frames = 5, .gop = 3, .views = 3, .refine = 1, .confidence = true}}) {
     const JobPlan plan(MakePlannedJob(shape));
     std::map<TaskKind, std::uint64_t> counts;
     for (int gop = 0; gop < plan.num_gops(); ++gop) {
@@ -143,8 +170,8 @@ TEST(JobPlan, OutputIsNumberedByTheSequence) {
   PlannedJob job = MakePlannedJob({});
   job.config.resolved.params.first_frame = 9998;
   const JobPlan plan(job);
-  EXPECT_THAT(plan.OutputPaths(1), testing::ElementsAre("cam0/9999.png", "cam1/9999.png"));
-  EXPECT_THAT(plan.OutputPaths(2), testing::ElementsAre("cam0/10000.png", "cam1/10000.png"));
+  EXPECT_THAT(plan.OutputPaths(1), testing::ElementsAre("depth/cam0/9999.png", "depth/cam1/9999.png"));
+  EXPECT_THAT(plan.OutputPaths(2), testing::ElementsAre("depth/cam0/10000.png", "depth/cam1/10000.png"));
 }
 
 TEST(JobPlan, ARenderingJobIsPartsOfEightViews) {
@@ -165,6 +192,10 @@ TEST(JobPlan, AJobTooLongForItsManifestIsRefused) {
   EXPECT_TRUE(CheckPlannable(MakePlannedJob({}).config.resolved).ok());
   ResolvedJob job = MakePlannedJob({}).config.resolved;
   job.num_frames = 200'001;
+  EXPECT_EQ(CheckPlannable(job).code(), ErrorCode::kInvalidArgument);
+  job.num_frames = 100'001;
+  EXPECT_TRUE(CheckPlannable(job).ok());
+  job.params.confidence = true;
   EXPECT_EQ(CheckPlannable(job).code(), ErrorCode::kInvalidArgument);
 }
 

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "common/digest/sha256.h"
+#include "common/sequence/depth_manifest.h"
 
 namespace depthfarm {
 namespace {
@@ -82,10 +83,11 @@ TaskFinished FakeFarm::ResultOf(FakeWorker& worker, const Grant& grant) {
   if (spec.id.kind == TaskKind::kEmit) {
     EXPECT_TRUE(emitted.emplace(spec.id.job, spec.staging).second) << "two attempts share " << spec.staging;
     for (const TaskInput& input : spec.inputs) {
-      if (input.role != InputRole::kAnalysis && input.role != InputRole::kRefined) continue;
-      std::string number = std::to_string(spec.id.frame);
-      number.insert(0, 4 - number.size(), '0');
-      result.files.push_back({"cam" + std::to_string(input.view) + "/" + number + ".png", Sha256(spec.staging), 5});
+      const std::string camera = "cam" + std::to_string(input.view);
+      if (input.role == InputRole::kAnalysis || input.role == InputRole::kRefined)
+        result.files.push_back({DepthFileName(camera, spec.id.frame), Sha256(spec.staging), 5});
+      if (input.role == InputRole::kConfidence)
+        result.files.push_back({ConfidenceFileName(camera, spec.id.frame), Sha256(spec.staging), 5});
     }
   }
   if (spec.id.kind == TaskKind::kRender) {

@@ -60,7 +60,7 @@ TEST(Scheduler, TheManifestNamesEveryFileAndPictureByFrameThenView) {
   const WorkerId worker = farm.JoinAndAsk();
   const Grant manifest = RunUntil(farm, worker, TaskKind::kManifest);
   ASSERT_EQ(manifest.task.spec.files.size(), 6U);
-  EXPECT_EQ(manifest.task.spec.files[3].path, "cam1/0001.png");
+  EXPECT_EQ(manifest.task.spec.files[3].path, "depth/cam1/0001.png");
   ASSERT_EQ(manifest.task.spec.picture_digests.size(), 6U);
   EXPECT_EQ(manifest.task.spec.picture_digests[3], Sha256("picture /in/cam1/1.png"));
 }
@@ -492,7 +492,7 @@ TEST(Scheduler, AnEmitThatNamesOtherFilesIsAFailedAttempt) {
   const WorkerId worker = farm.JoinAndAsk();
   const Grant emit = RunUntil(farm, worker, TaskKind::kEmit);
   TaskFinished result = farm.ResultOf(farm.At(worker), emit);
-  result.files[0].path = "cam0/0099.png";
+  result.files[0].path = "depth/cam0/0099.png";
   farm.At(worker).running.clear();
   farm.Send(result);
   farm.Ask(worker);

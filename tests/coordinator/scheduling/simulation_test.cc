@@ -36,13 +36,15 @@ class Chaos {
       farm_.Submit(MakeRenderingJob(static_cast<std::uint64_t>(++submitted_), 1 + Below(40)), Below(2));
       return;
     }
+    const int refine = Below(3);
     farm_.Submit(MakePlannedJob({.id = static_cast<std::uint64_t>(++submitted_),
                                  .frames = 1 + Below(6),
                                  .gop = 1 + Below(4),
                                  .views = 2 + Below(2),
                                  .blocks_i = 1 + Below(5),
                                  .blocks_p = 1 + Below(2),
-                                 .refine = Below(3)}),
+                                 .refine = refine,
+                                 .confidence = refine > 0 && Below(2) == 0}),
                  Below(2));
   }
   [[nodiscard]] int submitted() const { return submitted_; }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/digest/sha256.h"
+#include "common/sequence/depth_manifest.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/sequence_wire.h"
 #include "common/wire/task_wire.h"
@@ -85,7 +86,7 @@ void FakeFarmWorker::Report(const v1::GrantTask& grant) {
     for (const TaskInput& input : spec.inputs) {
       EXPECT_FALSE(input.locations.empty());
       if (input.role != InputRole::kRefined) continue;
-      const std::string path = "cam" + std::to_string(input.view) + "/000" + std::to_string(spec.id.frame) + ".png";
+      const std::string path = DepthFileName("cam" + std::to_string(input.view), spec.id.frame);
       *finished->add_files() = ToProto(OutputFile{path, Sha256(path), 10});
     }
   }

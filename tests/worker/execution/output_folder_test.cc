@@ -41,18 +41,18 @@ TEST_F(OutputFolderTest, IsAnAbsoluteFolderOfItsOwn) {
 
 TEST_F(OutputFolderTest, MovesStagedFilesIntoPlace) {
   ASSERT_TRUE(folder_.Prepare().ok());
-  ASSERT_TRUE(folder_.Stage("f0-a1", "cam0/0000.png", "depth").ok());
+  ASSERT_TRUE(folder_.Stage("f0-a1", "depth/cam0/0000.png", "depth").ok());
   EXPECT_FALSE(fs::exists(dir_ / "depth"));
-  ASSERT_TRUE(folder_.Commit("f0-a1", {FileOf("cam0/0000.png", "depth")}).ok());
+  ASSERT_TRUE(folder_.Commit("f0-a1", {FileOf("depth/cam0/0000.png", "depth")}).ok());
   EXPECT_EQ(Content("depth/cam0/0000.png"), "depth");
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging/f0-a1"));
 }
 
 TEST_F(OutputFolderTest, ACommitMayBeRepeated) {
   ASSERT_TRUE(folder_.Prepare().ok());
-  const std::vector<OutputFile> files{FileOf("a/0.png", "one"), FileOf("b/0.png", "two")};
-  ASSERT_TRUE(folder_.Stage("s", "a/0.png", "one").ok());
-  ASSERT_TRUE(folder_.Stage("s", "b/0.png", "two").ok());
+  const std::vector<OutputFile> files{FileOf("depth/a/0.png", "one"), FileOf("depth/b/0.png", "two")};
+  ASSERT_TRUE(folder_.Stage("s", "depth/a/0.png", "one").ok());
+  ASSERT_TRUE(folder_.Stage("s", "depth/b/0.png", "two").ok());
   ASSERT_TRUE(folder_.Commit("s", files).ok());
   EXPECT_TRUE(folder_.Commit("s", files).ok());
   EXPECT_EQ(Content("depth/b/0.png"), "two");
@@ -61,27 +61,43 @@ TEST_F(OutputFolderTest, ACommitMayBeRepeated) {
 TEST_F(OutputFolderTest, ACommitGoesOnWhereAnotherOneDied) {
   ASSERT_TRUE(folder_.Prepare().ok());
   Write(dir_ / "depth/a/0.png", "one");
-  ASSERT_TRUE(folder_.Stage("s", "b/0.png", "two").ok());
-  EXPECT_TRUE(folder_.Commit("s", {FileOf("a/0.png", "one"), FileOf("b/0.png", "two")}).ok());
+  ASSERT_TRUE(folder_.Stage("s", "depth/b/0.png", "two").ok());
+  EXPECT_TRUE(folder_.Commit("s", {FileOf("depth/a/0.png", "one"), FileOf("depth/b/0.png", "two")}).ok());
 }
 
 TEST_F(OutputFolderTest, CommitsNothingButWhatWasEmitted) {
   ASSERT_TRUE(folder_.Prepare().ok());
-  ASSERT_TRUE(folder_.Stage("s", "a/0.png", "fake").ok());
-  EXPECT_EQ(folder_.Commit("s", {FileOf("a/0.png", "true")}).code(), ErrorCode::kCorrupt);
+  ASSERT_TRUE(folder_.Stage("s", "depth/a/0.png", "fake").ok());
+  EXPECT_EQ(folder_.Commit("s", {FileOf("depth/a/0.png", "true")}).code(), ErrorCode::kCorrupt);
   EXPECT_FALSE(fs::exists(dir_ / "depth/a/0.png"));
-  EXPECT_EQ(folder_.Commit("s", {FileOf("b/0.png", "true")}).code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(folder_.Commit("s", {FileOf("depth/b/0.png", "true")}).code(), ErrorCode::kUnavailable);
+}
+
+TEST_F(OutputFolderTest, ConfidenceGoesBesideTheDepthAndWithIt) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("s", "confidence/a/0.png", "sure").ok());
+  ASSERT_TRUE(folder_.Commit("s", {FileOf("confidence/a/0.png", "sure")}).ok());
+  EXPECT_EQ(Content("confidence/a/0.png"), "sure");
+  ASSERT_TRUE(folder_.Finish("{}").ok());
+  ASSERT_TRUE(folder_.Prepare().ok());
+  EXPECT_FALSE(fs::exists(dir_ / "confidence")) << "the next job begins anew";
+}
+
+TEST_F(OutputFolderTest, RefusesAFolderWithSomebodyElsesConfidence) {
+  Write(dir_ / "confidence/mine", "x");
+  EXPECT_THAT(folder_.Prepare().message(), HasSubstr("confidence: exists and was not made by depthfarm"));
+  EXPECT_EQ(Content("confidence/mine"), "x");
 }
 
 TEST_F(OutputFolderTest, NoPathLeavesTheFolder) {
   ASSERT_TRUE(folder_.Prepare().ok());
-  for (const char* path :
-       {"../x/0.png", "a/../../0.png", "/etc/0.png", "a", "a/", "/a", "a/..", "a/b/0.png", "a/x\n"}) {
+  for (const char* path : {"../x/0.png", "depth/../0.png", "/etc/x/0.png", "depth", "depth/a/", "/a", "depth/a/..",
+                           "depth/0.png", "depth//0.png", "depth/a/b/0.png", "depth/a/x\n", "views/a/0.png", ""}) {
     EXPECT_EQ(folder_.Stage("s", path, "").code(), ErrorCode::kInvalidArgument) << path;
     EXPECT_EQ(folder_.Commit("s", {FileOf(path, "")}).code(), ErrorCode::kInvalidArgument) << path;
   }
   for (const char* staging : {"", ".", "..", "../..", "a/b", "/a"}) {
-    EXPECT_EQ(folder_.Stage(staging, "a/0.png", "").code(), ErrorCode::kInvalidArgument) << staging;
+    EXPECT_EQ(folder_.Stage(staging, "depth/a/0.png", "").code(), ErrorCode::kInvalidArgument) << staging;
     EXPECT_EQ(folder_.Commit(staging, {}).code(), ErrorCode::kInvalidArgument) << staging;
   }
 }
@@ -107,9 +123,9 @@ TEST_F(OutputFolderTest, ReplacesAnEarlierResultAndLeavesOtherFilesAlone) {
 
 TEST_F(OutputFolderTest, TakesOverTheFolderOfAJobThatFailed) {
   ASSERT_TRUE(folder_.Prepare().ok());
-  ASSERT_TRUE(folder_.Stage("s", "a/0.png", "one").ok());
-  ASSERT_TRUE(folder_.Commit("s", {FileOf("a/0.png", "one")}).ok());
-  ASSERT_TRUE(folder_.Stage("t", "a/1.png", "two").ok());
+  ASSERT_TRUE(folder_.Stage("s", "depth/a/0.png", "one").ok());
+  ASSERT_TRUE(folder_.Commit("s", {FileOf("depth/a/0.png", "one")}).ok());
+  ASSERT_TRUE(folder_.Stage("t", "depth/a/1.png", "two").ok());
   ASSERT_TRUE(folder_.RemoveStaging().ok());
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
   EXPECT_TRUE(folder_.Prepare().ok());
@@ -121,7 +137,7 @@ TEST_F(OutputFolderTest, AnAttemptThatOutlivesItsJobWritesNothing) {
   ASSERT_TRUE(folder_.Finish("{}\n").ok());
   EXPECT_TRUE(fs::exists(dir_ / "depth.json"));
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-job"));
-  EXPECT_EQ(folder_.Stage("late", "a/0.png", "old").code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(folder_.Stage("late", "depth/a/0.png", "old").code(), ErrorCode::kUnavailable);
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
 }
 

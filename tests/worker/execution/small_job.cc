@@ -148,11 +148,23 @@ TaskSpec SmallJob::Refine(int frame, int round, int view) const {
   return spec;
 }
 
+TaskSpec SmallJob::Assess(int frame, int view) const {  // three views: each is compared with both others
+  TaskSpec spec = Spec(TaskKind::kAssess, frame, view);
+  const int last = config.resolved.params.refine_rounds;
+  AddAnalyses(spec, InputRole::kAnalysis, frame);
+  for (int v = 0; v < kViews; ++v) AddOfView(spec, InputRole::kRefined, Refined(frame, last, v), v);
+  spec.output_key = Sha256(TaskName(spec.id));
+  return spec;
+}
+
 TaskSpec SmallJob::Emit(int frame) const {
   TaskSpec spec = Spec(TaskKind::kEmit, frame, 0);
-  const int last = config.resolved.params.refine_rounds;
+  const EstimationParams& params = config.resolved.params;
+  const int last = params.refine_rounds;
   if (last > 0) {
     for (int v = 0; v < kViews; ++v) AddOfView(spec, InputRole::kRefined, Refined(frame, last, v), v);
+    for (int v = 0; params.assesses() && v < kViews; ++v)
+      AddOfView(spec, InputRole::kConfidence, Spec(TaskKind::kAssess, frame, v).id, v);
   } else {
     AddAnalyses(spec, InputRole::kAnalysis, frame);
     AddLabels(spec, InputRole::kLabels, FinalLabels(frame));
@@ -196,6 +208,8 @@ Status SmallJob::RunOn(const std::vector<TestWorker*>& workers) {
     const int last = config.resolved.params.refine_rounds;
     for (int round = 0; last > 0 && round <= last; ++round)
       for (int view = 0; view < kViews; ++view) DEPTHFARM_RETURN_IF_ERROR(run(Refine(frame, round, view)));
+    for (int view = 0; config.resolved.params.assesses() && view < kViews; ++view)
+      DEPTHFARM_RETURN_IF_ERROR(run(Assess(frame, view)));
     DEPTHFARM_RETURN_IF_ERROR(run(Emit(frame)));
     DEPTHFARM_RETURN_IF_ERROR(run(Commit(frame)));
   }

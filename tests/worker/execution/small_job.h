@@ -44,6 +44,7 @@ class SmallJob {
   [[nodiscard]] TaskSpec Estimate(int frame, int block) const;
   [[nodiscard]] TaskSpec Merge(int frame) const;
   [[nodiscard]] TaskSpec Refine(int frame, int round, int view) const;
+  [[nodiscard]] TaskSpec Assess(int frame, int view) const;
   [[nodiscard]] TaskSpec Emit(int frame) const;
   [[nodiscard]] TaskSpec Commit(int frame) const;
   [[nodiscard]] TaskSpec Manifest() const;

@@ -86,6 +86,47 @@ TEST(TaskExecutor, TheResultDoesNotDependOnTheNumberOfWorkers) {
   EXPECT_EQ(Contents(shared.output()), Contents(alone.output()));
 }
 
+TEST(TaskExecutor, ConfidenceIsWrittenBesideTheSameDepthOrMakesHolesInIt) {
+  SmallJob plain;
+  TestWorker worker;
+  ASSERT_TRUE(plain.RunOn({&worker}).ok());
+  const auto depth = Contents(plain.output());
+
+  SmallJob with;
+  with.config.resolved.params.confidence = true;
+  TestWorker second;
+  ASSERT_TRUE(with.RunOn({&second}).ok());
+  auto contents = Contents(with.output());
+  const DepthManifest manifest = ReadDepthManifest(with.output().string()).value();
+  constexpr double kLeast = 0.9;
+  int doubtful = 0;
+  SmallJob holed;
+  holed.config.resolved.params.holes = kLeast;
+  TestWorker third;
+  ASSERT_TRUE(holed.RunOn({&third}).ok());
+  const auto with_holes = Contents(holed.output());
+  for (const DepthManifestCamera& camera : manifest.cameras) {
+    ASSERT_THAT(camera.confidence, SizeIs(2));
+    for (std::size_t frame = 0; frame < 2; ++frame) {
+      const std::string& path = camera.files[frame].path;
+      EXPECT_EQ(contents.at(path), depth.at(path)) << "confidence changes no depth";
+      const std::string& confidence_path = camera.confidence[frame].path;
+      EXPECT_EQ(confidence_path, "confidence/" + camera.camera.name + "/000" + std::to_string(5 + frame) + ".png");
+      EXPECT_EQ(Hex(Sha256(contents.at(confidence_path))), camera.confidence[frame].sha256);
+      const Grid<std::uint16_t> codes = DecodeDepthPng(depth.at(path)).value();
+      const Grid<std::uint16_t> confidence = DecodeDepthPng(contents.at(confidence_path)).value();
+      const Grid<std::uint16_t> left = DecodeDepthPng(with_holes.at(path)).value();
+      for (std::size_t i = 0; i < codes.size(); ++i) {
+        const bool is_doubtful = confidence.values()[i] < kLeast * 65535;
+        ASSERT_EQ(left.values()[i], is_doubtful ? 0 : codes.values()[i]);
+        doubtful += is_doubtful ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(doubtful, 0);
+  EXPECT_FALSE(with_holes.contains("confidence/" + manifest.cameras[0].camera.name + "/0005.png"));
+}
+
 TEST(TaskExecutor, ARepeatedJobReusesWhatExists) {
   SmallJob job;
   TestWorker worker;
@@ -253,7 +294,7 @@ TEST(TaskExecutor, RefusesRefinementsThatDoNotFitTheJob) {
   EXPECT_THAT(status_of(spec).message(), HasSubstr("a view below 3"));
   spec = job.Refine(1, 2, 0);
   spec.inputs.pop_back();
-  EXPECT_THAT(status_of(spec).message(), HasSubstr("camera 'cam2' has no analysis or no depth of the round before"));
+  EXPECT_THAT(status_of(spec).message(), HasSubstr("camera 'cam2' has no analysis or no refined depth"));
   spec = job.Refine(1, 0, 1);
   spec.inputs.pop_back();
   EXPECT_THAT(status_of(spec).message(), HasSubstr("the frames it refers to"));

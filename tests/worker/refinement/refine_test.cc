@@ -185,7 +185,7 @@ TEST(RefineView, RefusesWhatDoesNotFit) {
   EXPECT_THAT(message(0, 5, scene.analysis, start), HasSubstr("round 5 of 4"));
   FrameRefinement without = start;
   without[1] = nullptr;
-  EXPECT_THAT(message(0, 1, scene.analysis, without), HasSubstr("camera 'cam1' has no analysis or no depth"));
+  EXPECT_THAT(message(0, 1, scene.analysis, without), HasSubstr("camera 'cam1' has no analysis or no refined depth"));
   RefinedView fewer = *start[1];
   fewer.kept.pop_back();
   without[1] = std::make_shared<const RefinedView>(fewer);

@@ -1,0 +1,178 @@
+#include "worker/confidence/confidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "worker/refinement/other_view.h"
+#include "worker/refinement/patch_cost.h"
+#include "worker/refinement/picture_samples.h"
+#include "worker/refinement/view_geometry.h"
+
+namespace depthfarm {
+namespace {
+
+// Log odds of being wrong: a logistic regression on every seventh pixel of the eight 640x480 scenes of scene set v1's
+// tuning list; docs/method.md, 9.
+constexpr double kBase = -8.84;
+constexpr double kOfMisfit = 5.51;  // of misfit / (misfit + kHalfMisfit)
+constexpr double kHalfMisfit = 0.03;
+constexpr std::array<double, 3> kOfAgreeing = {0.99, 0.90, 0.66};  // none, one, two; more: 0
+constexpr double kOfSeenThrough = 1.46;
+constexpr double kOfNearestGap = 1.94;
+constexpr double kOfMeanGap = 2.85;
+constexpr std::array<std::pair<int, double>, 3> kOfJump = {{{1, 0.49}, {2, 0.37}, {4, 0.70}}};  // at most so far: add
+
+constexpr double kAgreement = 0.5;  // pixels of u
+constexpr float kJump = 0.5F;       // pixels of u between neighbours
+constexpr float kNotSeen = -1;
+constexpr int kRowsBetweenStopChecks = 16;
+
+// exp(t) without the library's, whose last bits differ between machines: (1 + t / 1024)^1024, 3 % off at t = 8.
+double Exponential(double t) {
+  double power = std::max(0.0, 1 + t / 1024);
+  for (int i = 0; i < 10; ++i) power *= power;
+  return power;
+}
+
+// In whole steps that may be diagonal, to the nearest pixel that a depth jump lies beside.
+Grid<std::uint8_t> DistanceToJumps(const InverseDepthMap& map) {
+  Grid<std::uint8_t> distance(map.width(), map.height(), Evidence::kFarFromJumps);
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      if (x + 1 < map.width() && std::abs(map(x + 1, y) - map(x, y)) > kJump) distance(x, y) = distance(x + 1, y) = 0;
+      if (y + 1 < map.height() && std::abs(map(x, y + 1) - map(x, y)) > kJump) distance(x, y) = distance(x, y + 1) = 0;
+    }
+  }
+  // One sweep down and one up hand every pixel's distance on to those beside it.
+  const auto hand_on = [&distance](int x, int y, int side) {
+    constexpr std::array<std::pair<int, int>, 4> kBefore = {{{-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+    for (const auto& [dx, dy] : kBefore) {
+      const int nx = x + side * dx;
+      const int ny = y + side * dy;
+      if (distance.Contains(nx, ny))
+        distance(x, y) = std::min(distance(x, y), static_cast<std::uint8_t>(distance(nx, ny) + 1));
+    }
+  };
+  for (int y = 0; y < map.height(); ++y)
+    for (int x = 0; x < map.width(); ++x) hand_on(x, y, 1);
+  for (int y = map.height() - 1; y >= 0; --y)
+    for (int x = map.width() - 1; x >= 0; --x) hand_on(x, y, -1);
+  return distance;
+}
+
+// One of the other views, as the pixels of the view see it with the depth they have.
+struct Compared {
+  Grid<float> misfit;  // rho, kNotSeen where that view does not see the pixel
+  Grid<float> gap;     // pixels of u between the depths of both; only where seen
+  Grid<std::uint8_t> sees_through;
+};
+
+Compared Compare(const ColourGrid& own, const InverseDepthMap& map, const OtherView& other) {
+  Compared compared{{own.width(), own.height(), kNotSeen}, {own.width(), own.height()}, {own.width(), own.height()}};
+  for (int y = 0; y < own.height(); ++y) {
+    for (int x = 0; x < own.width(); ++x) {
+      const std::optional<Seen> seen = SeenIn(*other.pair, *other.map, x, y, map(x, y));
+      if (!seen) continue;
+      compared.misfit(x, y) = static_cast<float>(MisfitAt(own(x, y), other, *seen));
+      compared.gap(x, y) = static_cast<float>(std::abs(DepthAt(*other.map, *seen) - seen->u_in_other));
+      compared.sees_through(x, y) = SeesThrough(*other.map, *seen) ? 1 : 0;
+    }
+  }
+  return compared;
+}
+
+// Mean over the 3 x 3 pixels around, those alike in colour counting most; kNotSeen where none is seen.
+double MeanMisfit(const Compared& compared, const std::array<double, 9>& weights, int x0, int y0) {
+  double sum = 0;
+  double weight_sum = 0;
+  for (int i = 0; i < 9; ++i) {
+    const int x = x0 + i % 3 - 1;
+    const int y = y0 + i / 3 - 1;
+    if (!compared.misfit.Contains(x, y) || compared.misfit(x, y) == kNotSeen) continue;
+    const double weight = weights[static_cast<std::size_t>(i)];
+    sum += weight * static_cast<double>(compared.misfit(x, y));
+    weight_sum += weight;
+  }
+  return weight_sum > 0 ? sum / weight_sum : static_cast<double>(kNotSeen);
+}
+
+Evidence EvidenceAt(const ColourGrid& own, const std::vector<Compared>& others, int to_jump, int x, int y) {
+  std::array<double, 9> weights{};
+  for (int i = 0; i < 9; ++i) {
+    const int nx = x + i % 3 - 1;
+    const int ny = y + i / 3 - 1;
+    if (own.Contains(nx, ny)) weights[static_cast<std::size_t>(i)] = ColourWeight(own(nx, ny), own(x, y));
+  }
+  Evidence evidence;
+  evidence.to_jump = to_jump;
+  std::vector<double> misfits;
+  int seen = 0;
+  double gaps = 0;
+  for (const Compared& other : others) {
+    if (const double misfit = MeanMisfit(other, weights, x, y); misfit >= 0) misfits.push_back(misfit);
+    if (other.misfit(x, y) == kNotSeen) continue;
+    const auto gap = static_cast<double>(other.gap(x, y));
+    ++seen;
+    gaps += gap;
+    evidence.nearest_gap = std::min(evidence.nearest_gap, gap);
+    if (gap < kAgreement) ++evidence.agreeing;
+    if (other.sees_through(x, y) != 0) evidence.seen_through = true;
+  }
+  if (seen > 0) evidence.mean_gap = std::min(1.0, gaps / seen);
+  if (misfits.empty()) return evidence;
+  std::sort(misfits.begin(), misfits.end());
+  misfits.resize((misfits.size() + 1) / 2);
+  evidence.misfit = 0;
+  for (const double misfit : misfits) evidence.misfit += misfit / static_cast<double>(misfits.size());
+  return evidence;
+}
+
+}  // namespace
+
+double ProbabilityOfRight(const Evidence& evidence) {
+  double wrong = kBase + kOfMisfit * evidence.misfit / (evidence.misfit + kHalfMisfit);
+  if (const auto agreeing = static_cast<std::size_t>(evidence.agreeing); agreeing < kOfAgreeing.size())
+    wrong += kOfAgreeing[agreeing];
+  if (evidence.seen_through) wrong += kOfSeenThrough;
+  wrong += kOfNearestGap * evidence.nearest_gap + kOfMeanGap * evidence.mean_gap;
+  for (const auto& [distance, log_odds] : kOfJump)
+    if (evidence.to_jump <= distance) wrong += log_odds;
+  return 1 / (1 + Exponential(wrong));
+}
+
+Result<ConfidenceMap> AssessView(const ResolvedJob& job, int view, const FrameAnalysis& analysis,
+                                 const FrameRefinement& refined, const std::stop_token& stop) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckViewInputs(job, view, analysis, refined));
+  const auto v = static_cast<std::size_t>(view);
+  const ViewGeometry geometry = RefinementGeometry(job, view);
+  const ColourGrid own = ColourOf(analysis[v]->picture);
+  const InverseDepthMap map = refined[v]->Map();
+  std::vector<Compared> others;
+  for (const PairGeometry& pair : geometry.pairs) {
+    if (stop.stop_requested()) return Cancelled();
+    const auto o = static_cast<std::size_t>(pair.other);
+    const ColourGrid colour = ColourOf(analysis[o]->picture);
+    const InverseDepthMap other_map = refined[o]->Map();
+    OtherView other{.pair = &pair, .colour = &colour, .map = &other_map};
+    other.sigma = MeasureNoise(own, map, other);
+    others.push_back(Compare(own, map, other));
+  }
+  const Grid<std::uint8_t> to_jump = DistanceToJumps(map);
+  ConfidenceMap confidence{Grid<std::uint16_t>(own.width(), own.height())};
+  for (int y = 0; y < own.height(); ++y) {
+    if (y % kRowsBetweenStopChecks == 0 && stop.stop_requested()) return Cancelled();
+    for (int x = 0; x < own.width(); ++x) {
+      const double right = ProbabilityOfRight(EvidenceAt(own, others, to_jump(x, y), x, y));
+      const double half_up = kConfidenceScale * right + 0.5;
+      confidence.codes(x, y) = static_cast<std::uint16_t>(half_up);
+    }
+  }
+  return confidence;
+}
+
+}  // namespace depthfarm
