@@ -28,15 +28,20 @@ Result<Grid<std::uint16_t>> DecodeDepthPng(std::string_view bytes) {
   return std::move(grey.values);
 }
 
-Result<DepthMap> ReadDepthFile(const std::string& path, int width, int height, const DepthCode& code) {
+Result<Grid<std::uint16_t>> ReadCodesFile(const std::string& path, int width, int height) {
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, ReadFileBytes(path, kMaxFileBytes));
-  const auto codes = DecodeDepthPng(bytes);
+  auto codes = DecodeDepthPng(bytes);
   if (!codes.ok()) return codes.status().WithContext(path);
   if (codes->width() != width || codes->height() != height) {
     return InvalidArgument(path + ": has " + std::to_string(codes->width()) + "x" + std::to_string(codes->height()) +
                            " pixels, expected " + std::to_string(width) + "x" + std::to_string(height));
   }
-  return DecodeDepth(*codes, code);
+  return codes;
+}
+
+Result<DepthMap> ReadDepthFile(const std::string& path, int width, int height, const DepthCode& code) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> codes, ReadCodesFile(path, width, height));
+  return DecodeDepth(codes, code);
 }
 
 Result<DepthMap> ReadDepthOf(const std::string& directory, const DepthManifestCamera& camera, std::size_t position) {

@@ -24,6 +24,9 @@ namespace depthfarm {
 // A depth map of `width` x `height` from a file. Errors: those above and another size, beginning with the path.
 [[nodiscard]] Result<DepthMap> ReadDepthFile(const std::string& path, int width, int height, const DepthCode& code);
 
+// Codes of a 16-bit map of `width` x `height`, depth or confidence. Errors: as ReadDepthFile.
+[[nodiscard]] Result<Grid<std::uint16_t>> ReadCodesFile(const std::string& path, int width, int height);
+
 // The depth map at `position` (0 = the manifest's first frame) of a camera of `directory`/depth.json. Digests are not
 // checked here. kInvalidArgument also for a position beyond the camera's files.
 [[nodiscard]] Result<DepthMap> ReadDepthOf(const std::string& directory, const DepthManifestCamera& camera,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/geometry/reprojection.h"
+#include "common/quality/pixel_error.h"
 #include "common/quality/visibility.h"
 
 namespace depthfarm {
@@ -13,12 +14,6 @@ namespace {
 constexpr int kEdgeReachPx = 4;
 constexpr double kEdgeJumpPx = 1;
 constexpr int kBorderPx = 8;
-
-struct PixelError {
-  bool estimated = false;
-  double levels = 0;
-  double px = 0;
-};
 
 double Ratio(double part, double whole) { return whole > 0 ? part / whole : std::numeric_limits<double>::quiet_NaN(); }
 
@@ -38,50 +33,6 @@ void AddPixel(const PixelError& error, DepthErrorFigures& figures) {
   figures.px_squared_sum += error.px * error.px;
   figures.level_sum += error.levels;
   figures.level_squared_sum += error.levels * error.levels;
-}
-
-// Error of single pixels of one view.
-class PixelErrors {
- public:
-  explicit PixelErrors(const DepthErrorInput& input)
-      : input_(input), in_view_(input.camera, *input.levels), neighbour_from_view_(input.camera, input.neighbour) {}
-
-  // Whether the truth is known here, in front of the reference camera and of the neighbour.
-  [[nodiscard]] bool Known(int x, int y) const {
-    const double z = static_cast<double>((*input_.exact)(x, y));
-    return z > 0 && std::isfinite(z) && in_view_.DepthInRef(x, y, z) > 0 &&
-           neighbour_from_view_.Project(x, y, 1.0 / z).depth_per_source > 0;
-  }
-
-  // Of a pixel of known truth.
-  [[nodiscard]] PixelError At(int x, int y) const {
-    const double exact = static_cast<double>((*input_.exact)(x, y));
-    const double z = static_cast<double>((*input_.estimated)(x, y));
-    if (!(z > 0) || !std::isfinite(z)) return {};
-    const double depth_in_ref = in_view_.DepthInRef(x, y, z);
-    const Reprojection::Projected p = neighbour_from_view_.Project(x, y, 1.0 / z);
-    if (!(depth_in_ref > 0) || !(p.depth_per_source > 0)) return {};
-    const Reprojection::Projected q = neighbour_from_view_.Project(x, y, 1.0 / exact);
-    PixelError error;
-    error.estimated = true;
-    const double level = LevelIndex(*input_.levels, depth_in_ref);
-    error.levels = std::abs(level - LevelIndex(*input_.levels, in_view_.DepthInRef(x, y, exact)));
-    error.px = std::sqrt((p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y));
-    return error;
-  }
-
- private:
-  const DepthErrorInput& input_;
-  LevelsInView in_view_;
-  Reprojection neighbour_from_view_;
-};
-
-template <typename T>
-Status CheckSize(const Grid<T>* grid, const Camera& camera, const std::string& what) {
-  if (grid == nullptr || (grid->width() == camera.width && grid->height() == camera.height)) return {};
-  return InvalidArgument("view '" + camera.name + "': the " + what + " is " + std::to_string(grid->width()) + "x" +
-                         std::to_string(grid->height()) + ", the camera " + std::to_string(camera.width) + "x" +
-                         std::to_string(camera.height));
 }
 
 }  // namespace
@@ -136,14 +87,7 @@ PixelMask DepthEdges(const DepthMap& exact, const Camera& camera, const Camera& 
 }
 
 Result<std::vector<DepthErrorGroup>> MeasureDepthError(const DepthErrorInput& input) {
-  if (input.estimated == nullptr || input.exact == nullptr || input.levels == nullptr) {
-    return InvalidArgument("view '" + input.camera.name + "': depth, exact depth and levels are needed");
-  }
-  DEPTHFARM_RETURN_IF_ERROR(CheckSize(input.estimated, input.camera, "depth map"));
-  DEPTHFARM_RETURN_IF_ERROR(CheckSize(input.exact, input.camera, "exact depth map"));
-  DEPTHFARM_RETURN_IF_ERROR(CheckSize(input.non_occluded, input.camera, "mask of non-occluded pixels"));
-  DEPTHFARM_RETURN_IF_ERROR(CheckSize(input.zones, input.camera, "zone map"));
-
+  DEPTHFARM_RETURN_IF_ERROR(CheckErrorInput(input));
   const PixelErrors errors(input);
   const PixelMask edges = DepthEdges(*input.exact, input.camera, input.neighbour);
   const PixelMask border = BorderPixels(input.camera.width, input.camera.height, kBorderPx);

@@ -159,7 +159,15 @@ Result<PixelMask> NonOccluded(const SequenceWithDepth& input, int view, const st
   return VisibleInAny({&truth.depth, CameraOf(input, view)}, others, *input.levels);
 }
 
-Status MeasureDepths(const SequenceWithDepth& input, FrameWithDepth& frame, std::vector<ViewDepthReport>& reports) {
+// The entry of a view, made if there is none.
+template <typename ViewReport>
+ViewReport& EntryOf(const std::string& view, std::vector<ViewReport>& reports) {
+  const auto same =
+      std::find_if(reports.begin(), reports.end(), [&](const auto& report) { return report.view == view; });
+  return same == reports.end() ? reports.emplace_back(ViewReport{view, {}}) : *same;
+}
+
+Status MeasureDepths(const SequenceWithDepth& input, FrameWithDepth& frame, EvaluateReport& report) {
   std::vector<Camera> cameras;
   for (const SequenceWithDepth::View& view : input.views) cameras.push_back(view.camera);
   const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, *input.levels, 2);
@@ -183,13 +191,10 @@ Status MeasureDepths(const SequenceWithDepth& input, FrameWithDepth& frame, std:
       for (const Zone zone : kSurfaceZones) error.zone_names.emplace_back(ZoneName(zone));
     }
     DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<DepthErrorGroup> groups, MeasureDepthError(error));
-    const auto same = std::find_if(reports.begin(), reports.end(),
-                                   [&](const ViewDepthReport& report) { return report.view == error.camera.name; });
-    if (same == reports.end()) {
-      reports.push_back({error.camera.name, groups});
-    } else {
-      AddGroups(groups, same->groups);
-    }
+    AddGroups(groups, EntryOf(error.camera.name, report.depth).groups);
+    DEPTHFARM_ASSIGN_OR_RETURN(const auto confidence, ReadConfidenceOf(input, view, frame.frame()));
+    if (!confidence) continue;
+    DEPTHFARM_RETURN_IF_ERROR(AddConfidence(error, *confidence, EntryOf(error.camera.name, report.confidence).figures));
   }
   return {};
 }
@@ -205,10 +210,8 @@ Status MeasureStabilities(const SequenceWithDepth& input, FrameWithDepth& before
     DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap* old_depth, before.Depth(view));
     DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap* depth, now.Depth(view));
     const PixelMask still = StillPixels(*old_picture, *picture);
-    const std::string& name = CameraOf(input, view).name;
-    const auto same = std::find_if(reports.begin(), reports.end(), [&](const auto& r) { return r.view == name; });
-    ViewStabilityReport& report = same == reports.end() ? reports.emplace_back(ViewStabilityReport{name, {}}) : *same;
-    report.figures.Add(MeasureStability(*old_depth, {depth, CameraOf(input, view)}, still, *input.levels));
+    EntryOf(CameraOf(input, view).name, reports)
+        .figures.Add(MeasureStability(*old_depth, {depth, CameraOf(input, view)}, still, *input.levels));
   }
   return {};
 }
@@ -313,7 +316,7 @@ Status RunEvaluate(const EvaluateCommandOptions& options, std::ostream& out) {
       DEPTHFARM_RETURN_IF_ERROR(
           MeasureSourceAgreement(input, targets[i], *frame, *entry.agreement, report.agreement_by_exact_depth));
     }
-    DEPTHFARM_RETURN_IF_ERROR(MeasureDepths(input, *frame, report.depth));
+    DEPTHFARM_RETURN_IF_ERROR(MeasureDepths(input, *frame, report));
     if (before != nullptr) DEPTHFARM_RETURN_IF_ERROR(MeasureStabilities(input, *before, *frame, report.stability));
     before = std::move(frame);
   }

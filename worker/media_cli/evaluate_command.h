@@ -38,6 +38,7 @@ struct EvaluateCommandOptions {
 //                   known the same with that (the ceiling), and the best single plane (the floor, first frame);
 //   agreement       of the two sources' depth (MeasureAgreement), both directions together;
 //   depth error     of every view with exact depth, by zone (MeasureDepthError);
+//   confidence      where the folder has it, how well it tells right depth from wrong (Sparsification);
 //   stability       how much depth changes from frame to frame where the picture does not (MeasureStability);
 //   bit rate        of virtual views and depth as HEVC (MeasureRates), and the Bjøntegaard delta against another
 //                   folder: of the same views, from the same sources, in the same frames.

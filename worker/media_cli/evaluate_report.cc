@@ -136,6 +136,39 @@ void PrintDepth(const EvaluateReport& report, std::ostream& out) {
   table.Print(out);
 }
 
+Sparsification SumOfConfidence(const EvaluateReport& report) {
+  Sparsification sum;
+  for (const ViewConfidenceReport& view : report.confidence) sum.Add(view.figures);
+  return sum;
+}
+
+// Shares of pixels that are kept, the most confident ones.
+constexpr double kKept[] = {1, 0.99, 0.95, 0.9, 0.75, 0.5};
+
+void PrintConfidence(const EvaluateReport& report, std::ostream& out) {
+  out << "\nConfidence against exact depth: % of the N % most confident pixels that are off by more than 1 px.\n"
+         "AUSE: area between that curve and the best possible one (rows best), in % and, of mean errors, in px; 0 is\n"
+         "perfect. calib.: by how much confidence and the share of right pixels differ, %.\n";
+  std::vector<std::string> header = {"view", "by"};
+  for (const double kept : kKept) header.push_back(Decimal(100 * kept, 0) + " %");
+  for (const char* name : {"AUSE %", "AUSE px", "calib. %"}) header.emplace_back(name);
+  TextTable table(std::move(header), 2);
+  const auto add = [&](const std::string& view, const Sparsification& figures) {
+    std::vector<std::string> row = {view, "confidence"};
+    for (const double kept : kKept) row.push_back(Decimal(figures.WrongPercent(kept), 3));
+    row.push_back(Decimal(figures.AuseWrongPercent(), 3));
+    row.push_back(Decimal(figures.AusePx(), 4));
+    row.push_back(Decimal(figures.CalibrationErrorPercent(), 2));
+    table.Add(std::move(row));
+    row = {"", "best"};
+    for (const double kept : kKept) row.push_back(Decimal(figures.BestWrongPercent(kept), 3));
+    table.Add(std::move(row));
+  };
+  for (const ViewConfidenceReport& view : report.confidence) add(view.view, view.figures);
+  if (report.confidence.size() > 1) add("all views", SumOfConfidence(report));
+  table.Print(out);
+}
+
 StabilityFigures SumOfStability(const EvaluateReport& report) {
   StabilityFigures sum;
   for (const ViewStabilityReport& view : report.stability) sum.Add(view.figures);
@@ -179,6 +212,22 @@ void PrintRates(const EvaluateReport& report, std::ostream& out) {
         << "views " << Decimal(MeanPercent(report.against->virtual_views_percent), 1) << " %, of the depth "
         << Decimal(MeanPercent(report.against->depth_percent), 1) << " %.\n";
   }
+}
+
+Json ToJson(const Sparsification& f) {
+  Json curve = Json::array();
+  for (const double kept : kKept) {
+    curve.push_back({{"keptPercent", 100 * kept},
+                     {"bad1PxPercent", f.WrongPercent(kept)},
+                     {"bestBad1PxPercent", f.BestWrongPercent(kept)},
+                     {"meanPx", f.MeanPx(kept)},
+                     {"bestMeanPx", f.BestMeanPx(kept)}});
+  }
+  return {{"pixels", f.pixels()},
+          {"auseBad1PxPercent", f.AuseWrongPercent()},
+          {"auseMeanPx", f.AusePx()},
+          {"calibrationErrorPercent", f.CalibrationErrorPercent()},
+          {"curve", std::move(curve)}};
 }
 
 Json ToJson(const StabilityFigures& f) {
@@ -304,6 +353,7 @@ void PrintReport(const EvaluateReport& report, std::ostream& out) {
   for (const TargetReport& target : report.targets) any_agreement = any_agreement || target.agreement.has_value();
   if (any_agreement) PrintAgreement(report, out);
   if (!report.depth.empty()) PrintDepth(report, out);
+  if (!report.confidence.empty()) PrintConfidence(report, out);
   if (!report.stability.empty()) PrintStability(report, out);
   if (report.rates) PrintRates(report, out);
 }
@@ -339,6 +389,11 @@ void PrintReportAsJson(const EvaluateReport& report, std::ostream& out) {
     Json views = Json::object();
     for (const ViewDepthReport& view : report.depth) views[view.view] = ToJson(view.groups);
     json["depthError"] = {{"views", std::move(views)}, {"allViews", ToJson(SumOfViews(report))}};
+  }
+  if (!report.confidence.empty()) {
+    Json views = Json::object();
+    for (const ViewConfidenceReport& view : report.confidence) views[view.view] = ToJson(view.figures);
+    json["confidence"] = {{"views", std::move(views)}, {"allViews", ToJson(SumOfConfidence(report))}};
   }
   if (!report.stability.empty()) {
     Json views = Json::object();

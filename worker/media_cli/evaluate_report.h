@@ -8,6 +8,7 @@
 
 #include "common/quality/consistency.h"
 #include "common/quality/depth_error.h"
+#include "common/quality/sparsification.h"
 #include "common/quality/stability.h"
 #include "worker/media_cli/evaluate_rates.h"
 
@@ -41,6 +42,11 @@ struct ViewDepthReport {
   std::vector<DepthErrorGroup> groups;
 };
 
+struct ViewConfidenceReport {
+  std::string view;
+  Sparsification figures;
+};
+
 struct ViewStabilityReport {
   std::string view;
   StabilityFigures figures;
@@ -58,7 +64,8 @@ struct EvaluateReport {
   std::vector<TargetReport> targets;
   bool agreement_by_exact_depth = false;  // how non-occluded pixels were found
   std::vector<ViewDepthReport> depth;
-  std::vector<ViewStabilityReport> stability;  // empty for a single frame
+  std::vector<ViewConfidenceReport> confidence;  // of views with exact depth and a confidence map
+  std::vector<ViewStabilityReport> stability;    // empty for a single frame
   std::optional<RateReport> rates;
   std::optional<RateComparison> against;
 

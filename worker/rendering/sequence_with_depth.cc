@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 #include <variant>
 
@@ -262,6 +263,15 @@ Result<DepthMap> ReadDepthOf(const SequenceWithDepth& input, int view, int frame
     return InvalidArgument("there is no depth of camera '" + of.camera.name + "' in " + input.depth_dir);
   }
   return ReadDepthOf(input.depth_dir, *of.depth, static_cast<std::size_t>(frame - input.manifest.first_frame));
+}
+
+Result<std::optional<Grid<std::uint16_t>>> ReadConfidenceOf(const SequenceWithDepth& input, int view, int frame) {
+  const DepthManifestCamera* depth = input.views[static_cast<std::size_t>(view)].depth;
+  const auto position = static_cast<std::size_t>(frame - input.manifest.first_frame);
+  if (depth == nullptr || position >= depth->confidence.size()) return std::optional<Grid<std::uint16_t>>();
+  const std::string path = (std::filesystem::path(input.depth_dir) / depth->confidence[position].path).string();
+  DEPTHFARM_ASSIGN_OR_RETURN(Grid<std::uint16_t> codes, ReadCodesFile(path, depth->camera.width, depth->camera.height));
+  return std::optional(std::move(codes));
 }
 
 Result<const YcbcrImage*> FrameWithDepth::Picture(int view) {

@@ -60,6 +60,9 @@ struct SequenceWithDepth {
 // A view's picture in a frame of the sequence, and its depth. kInvalidArgument: there is none, or it cannot be read.
 [[nodiscard]] Result<YcbcrImage> ReadPictureOf(const SequenceWithDepth& input, int view, int frame);
 [[nodiscard]] Result<DepthMap> ReadDepthOf(const SequenceWithDepth& input, int view, int frame);
+// The confidence of that depth, probability times 65535; nullopt where the folder has none.
+[[nodiscard]] Result<std::optional<Grid<std::uint16_t>>> ReadConfidenceOf(const SequenceWithDepth& input, int view,
+                                                                          int frame);
 
 // Pictures and depth of one frame, each read when first asked for. Pointers stay valid as long as this lives.
 class FrameWithDepth {

@@ -143,6 +143,32 @@ TEST_F(EvaluateCommandTest, ALeftOutViewIsSynthesised) {
 }
 
 // Noise that is the same in both frames is an error, not a flicker.
+TEST_F(EvaluateCommandTest, ConfidenceIsMeasuredWhereThereIsAny) {
+  EXPECT_FALSE(Report(Options(exact_)).contains("confidence"));
+  const auto left_is_wrong = [](DepthMap& depth) {
+    for (int y = 0; y < depth.height(); ++y)
+      for (int x = 0; x < 20; ++x) depth(x, y) *= 0.8F;
+  };
+  const auto figures = [&](const std::string& name, const EvaluatedScene::Confidence& confidence) {
+    return Report(Options(scene_->WriteDepth(name, left_is_wrong, {}, confidence)))["confidence"]["allViews"];
+  };
+  const nlohmann::json knows = figures("knows", [](int x) { return static_cast<std::uint16_t>(x < 20 ? 0 : 65535); });
+  const nlohmann::json errs = figures("errs", [](int x) { return static_cast<std::uint16_t>(x < 20 ? 65535 : 0); });
+  EXPECT_EQ(knows["pixels"], 4 * 2 * 160 * 120);
+  EXPECT_NEAR(knows["auseBad1PxPercent"], 0, 0.05);
+  EXPECT_GT(errs["auseBad1PxPercent"], 20);
+  EXPECT_LT(knows["calibrationErrorPercent"], 1);
+  EXPECT_GT(errs["calibrationErrorPercent"], 95);
+  EXPECT_NEAR(knows["curve"][0]["bad1PxPercent"], 12.5, 1) << "20 of 160 columns are wrong";
+  EXPECT_NEAR(knows["curve"][4]["bad1PxPercent"], 0, 0.05) << "of the 75 % most confident pixels";
+
+  EvaluateCommandOptions table = Options(scene_->File("knows"));
+  table.json = false;
+  std::ostringstream out;
+  ASSERT_TRUE(RunEvaluate(table, out).ok());
+  EXPECT_NE(out.str().find("Confidence against exact depth"), std::string::npos);
+}
+
 TEST_F(EvaluateCommandTest, DepthThatFlickersIsLessStable) {
   int map = 0;
   const std::string flickering = scene_->WriteDepth("flickering", [&map](DepthMap& depth) {

@@ -78,7 +78,7 @@ EvaluatedScene::EvaluatedScene() : cameras_(MakeArray(ArrayKind::kArc, 4, 160, 1
 }
 
 std::string EvaluatedScene::WriteDepth(const std::string& name, const Estimate& estimate,
-                                       const std::set<std::string>& views) const {
+                                       const std::set<std::string>& views, const Confidence& confidence) const {
   DepthManifest manifest;
   manifest.sequence = "arc";
   manifest.algorithm_version = 1;
@@ -99,6 +99,13 @@ std::string EvaluatedScene::WriteDepth(const std::string& name, const Estimate& 
       folder_.Write(name + "/" + path, EncodeDepthPng(depth, code).value());
       camera.files.push_back({path, std::string(64, '0')});
       camera.input_sha256.emplace_back(64, '0');
+      if (!confidence) continue;
+      Grid<std::uint16_t> codes(depth.width(), depth.height());
+      for (int y = 0; y < codes.height(); ++y)
+        for (int x = 0; x < codes.width(); ++x) codes(x, y) = confidence(x);
+      const std::string confidence_path = ConfidenceFileName(cameras_[i].name, frame);
+      folder_.Write(name + "/" + confidence_path, EncodeDepthPng(codes).value());
+      camera.confidence.push_back({confidence_path, std::string(64, '0')});
     }
     manifest.cameras.push_back(camera);
   }

@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_TESTS_WORKER_MEDIA_CLI_EVALUATED_SCENE_H_
 #define DEPTHFARM_TESTS_WORKER_MEDIA_CLI_EVALUATED_SCENE_H_
 
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <string>
@@ -23,9 +24,13 @@ class EvaluatedScene {
   // Changes an exact depth map into a supposed estimate.
   using Estimate = std::function<void(DepthMap& depth)>;
 
+  // Confidence codes of a pixel column of every map; null: none are written.
+  using Confidence = std::function<std::uint16_t(int x)>;
+
   // Writes depth.json and the maps of `views` (all if empty) into a folder and returns it.
   [[nodiscard]] std::string WriteDepth(const std::string& name, const Estimate& estimate,
-                                       const std::set<std::string>& views = {}) const;
+                                       const std::set<std::string>& views = {},
+                                       const Confidence& confidence = nullptr) const;
 
  private:
   testing_support::TemporaryFolder folder_;
