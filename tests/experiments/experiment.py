@@ -7,6 +7,7 @@
   partition  Table VI, Fig. 7   the levels in 1 to 16 parts, interleaved or in blocks
   gop        Table VII, Fig. 8  0 to 49 P frames between I frames: quality and time
   rates      Tables III, VIII   the same, coded as HEVC
+  confidence -                  how well confidence tells right depth from wrong
   choices    -                  what the paper leaves open, one choice changed at a time
 
 --quick takes two minutes and checks that everything works; the full mode takes from ten minutes to hours an experiment.
@@ -19,6 +20,7 @@ import sys
 from pathlib import Path
 
 import experiment_choices
+import experiment_confidence
 import experiment_gop
 import experiment_methods
 import experiment_partition
@@ -38,6 +40,7 @@ EXPERIMENTS = {
     "partition": experiment_partition.run,
     "gop": experiment_gop.run,
     "rates": experiment_rates.run,
+    "confidence": experiment_confidence.run,
     "choices": experiment_choices.run,
 }
 

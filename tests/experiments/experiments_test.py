@@ -19,7 +19,7 @@ from scenes import of_size, scene_list, sized
 
 HERE = Path(__file__).parent
 BINARIES = ""
-PLOTTED = ["methods", "segments", "views", "partition", "gop", "rates"]
+PLOTTED = ["methods", "segments", "views", "partition", "gop", "rates", "confidence"]
 NAMES = [*PLOTTED, "choices"]
 
 

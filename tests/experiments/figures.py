@@ -68,6 +68,11 @@ def bd_rate_depth(report: dict) -> float:
     return math.nan if value is None else value
 
 
+def confidence(report: dict) -> dict:
+    """How well confidence tells right depth from wrong, all views: auseBad1PxPercent, auseMeanPx, curve, ..."""
+    return report["confidence"]["allViews"]
+
+
 @dataclass(frozen=True)
 class RatePoint:
     """One quantiser: means over the virtual views."""

@@ -12,6 +12,7 @@
 
 #include "coordinator/cli/estimation_options.h"
 #include "tests/experiments/baseline_command.h"
+#include "tests/experiments/cost_margin.h"
 #include "tests/experiments/per_view.h"
 
 namespace {
@@ -84,6 +85,14 @@ int Run(int argc, char** argv) {
       app.add_subcommand("pixel-cut", "Graph cut over the pixels of each view, with the structure of DERS");
   CLI::App* per_view =
       app.add_subcommand("per-view", "Segment graph cut as in depthfarm run --refine 0, each view on its own");
+  std::string depth_dir;
+  CLI::App* margin =
+      app.add_subcommand("margin", "Depth as it is, with the margins of raw matching costs as confidence");
+  margin->add_option("sequence", options.sequence, "Sequence file")->required()->type_name("SEQUENCE");
+  margin->add_option("depth", depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
+  margin->add_option("-o,--output", options.output, "Folder for depth.json, depth/ and confidence/")
+      ->required()
+      ->type_name("DIR");
   for (CLI::App* command : {sgbm, pixel_cut, per_view}) AddCommonOptions(*command, options);
   AddPixelCutOptions(*pixel_cut, pixel_cut_params);
   AddRunOptions(*per_view,
@@ -106,7 +115,9 @@ int Run(int argc, char** argv) {
     method.estimate = depthfarm::PerViewOfFrame;
     method.parameters = ParametersOf(options.params);
   }
-  const depthfarm::Status status = depthfarm::RunBaseline(options, method, std::cout);
+  const depthfarm::Status status = margin->parsed()
+                                       ? depthfarm::WriteWithCostMargins(options.sequence, depth_dir, options.output)
+                                       : depthfarm::RunBaseline(options, method, std::cout);
   if (status.ok()) return 0;
   std::cerr << "depthfarm-experiments: " << status.message() << "\n";
   return status.code() == depthfarm::ErrorCode::kInvalidArgument ? 2 : 1;

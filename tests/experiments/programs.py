@@ -6,7 +6,7 @@ import os
 import resource
 import shutil
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 
@@ -81,11 +81,24 @@ class Programs:
         stages = {stage["stage"]: stage["cpuSeconds"] for stage in report["stages"]}
         return Depth(folder, stages, len(manifest["cameras"]), report["framesTotal"])
 
-    def baseline(self, method: str, sequence: Path, options: list[str]) -> Depth:
-        """`depthfarm-experiments METHOD`."""
+    def margin(self, sequence: Path, depth: Depth) -> Depth:
+        """`depthfarm-experiments margin`: the same depth with another confidence."""
+        self._check_baselines()
+        folder = self._folder(f"{depth.folder.name}-margin", ["depthfarm-experiments"],
+                              ["margin", str(sequence), str(depth.folder)])
+        if not (folder / "depth.json").exists():
+            self._make(folder, lambda part: self._run(
+                "depthfarm-experiments", ["margin", str(sequence), str(depth.folder), "-o", str(part)]))
+        return replace(depth, folder=folder)
+
+    def _check_baselines(self) -> None:
         if not self.has_baselines():
             raise ProgramError(f"{self.binaries}/depthfarm-experiments is missing: it is built with the tests (preset "
                                "ci) where libopencv-calib3d-dev is installed")
+
+    def baseline(self, method: str, sequence: Path, options: list[str]) -> Depth:
+        """`depthfarm-experiments METHOD`."""
+        self._check_baselines()
         folder = self._folder(f"{sequence.parent.name}-{method}", ["depthfarm-experiments"],
                               [method, str(sequence), *options])
         if not (folder / "cost.json").exists():
