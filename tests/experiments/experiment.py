@@ -7,6 +7,7 @@
   partition  Table VI, Fig. 7   the levels in 1 to 16 parts, interleaved or in blocks
   gop        Table VII, Fig. 8  0 to 49 P frames between I frames: quality and time
   rates      Tables III, VIII   the same, coded as HEVC
+  left_out   -                  views that were not used in the estimation, against other methods
   confidence -                  how well confidence tells right depth from wrong
   choices    -                  what the paper leaves open, one choice changed at a time
 
@@ -22,6 +23,7 @@ from pathlib import Path
 import experiment_choices
 import experiment_confidence
 import experiment_gop
+import experiment_left_out
 import experiment_methods
 import experiment_partition
 import experiment_rates
@@ -40,6 +42,7 @@ EXPERIMENTS = {
     "partition": experiment_partition.run,
     "gop": experiment_gop.run,
     "rates": experiment_rates.run,
+    "left_out": experiment_left_out.run,
     "confidence": experiment_confidence.run,
     "choices": experiment_choices.run,
 }
@@ -76,7 +79,7 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--work", type=Path, default=Path("build/experiments"),
                         help="folder for scenes and results, kept (default: build/experiments)")
     parser.add_argument("--data", type=Path,
-                        help="folder of published sets, a folder each: methods measures on them too")
+                        help="folder of published sets, a folder each: methods and left_out measure on them too")
     parser.add_argument("--docs", type=Path, default=Path("docs"),
                         help="experiments.md and images/ are written there (default: docs)")
     return parser

@@ -20,7 +20,7 @@ from scenes import of_size, scene_list, sized
 HERE = Path(__file__).parent
 BINARIES = ""
 PLOTTED = ["methods", "segments", "views", "partition", "gop", "rates", "confidence"]
-NAMES = [*PLOTTED, "choices"]
+NAMES = [*PLOTTED, "left_out", "choices"]
 
 
 def experiment(*arguments: str) -> subprocess.CompletedProcess:

@@ -16,6 +16,12 @@ def psnr_outside_panels(report: dict) -> float:
     return math.nan if value is None else value
 
 
+def psnr_non_hole(report: dict) -> float:
+    """As `psnr`, over the pixels that a source saw."""
+    value = report["mean"]["psnrYNonHole"]
+    return math.nan if value is None else value
+
+
 def exact_psnr(report: dict) -> float:
     """The same with exact depth; NaN where it is not known."""
     values = [view["exact"]["psnrY"] for view in report["virtualViews"] if "exact" in view]

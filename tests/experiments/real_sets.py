@@ -44,6 +44,39 @@ REAL_SETS = [
 ]
 
 
+@dataclass(frozen=True)
+class LeftOut:
+    """Views of a set, and those among them that depth is estimated without."""
+
+    real: RealSet  # of the others
+    targets: tuple[str, ...]
+
+    def label(self) -> str:
+        """
+        >>> LeftOut(RealSet("ring", ("a", "c"), 4), ("b",)).label()
+        'ring: b from a to c (a 4th of the size)'
+        """
+        size = f" (a {self.real.downscale}th of the size)" if self.real.downscale > 1 else ""
+        return f"{self.real.name}: {', '.join(self.targets)} from {self.real.views[0]} to {self.real.views[-1]}{size}"
+
+
+def _others(count: int, name: str, left_out: tuple[int, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of `count` cameras without those left out, and of those."""
+    return (tuple(name.format(i) for i in range(count) if i not in left_out),
+            tuple(name.format(i) for i in left_out))
+
+
+_FERN, _FERN_OUT = _others(20, "image{:03}", (6, 8, 11, 13))  # a grid of 4 x 5, inside
+_FOUNTAIN, _FOUNTAIN_OUT = _others(11, "{:04}", (2, 5, 8))
+LEFT_OUT = [
+    LeftOut(RealSet("llff_fern", _FERN, 2), _FERN_OUT),
+    LeftOut(RealSet("strecha_fountain_p11", _FOUNTAIN, 4), _FOUNTAIN_OUT),
+    LeftOut(RealSet("panoptic_basketball", ("cam10", "cam14", "cam19", "cam23", "cam27")), ("cam16",)),
+    LeftOut(RealSet("panoptic_basketball", ("cam02", "cam03", "cam04", "cam12", "cam22")), ("cam07",)),
+    LeftOut(RealSet("panoptic_basketball", ("cam08", "cam11", "cam17", "cam29")), ("cam25",)),
+]
+
+
 def found(data: Path) -> list[RealSet]:
     """Those of the sets that are there."""
     return [real for real in REAL_SETS if real.sequence(data).is_file()]
