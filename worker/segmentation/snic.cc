@@ -56,7 +56,6 @@ class Growth {
     for (int y = 0; y < picture.height(); ++y) {
       for (int x = 0; x < picture.width(); ++x) pixels_(x + kFrame, y + kFrame) = PixelState{.color = picture(x, y)};
     }
-    queue_.Reserve(picture.size());
     for (int index = 0; index < seeds.num_segments(); ++index) {
       const PixelPosition seed = seeds.Seed(index);
       Wait(seed.x + kFrame, seed.y + kFrame, 0, static_cast<SegmentIndex>(index));
@@ -64,11 +63,20 @@ class Growth {
   }
 
   Status Run(const std::stop_token& stop) {
-    for (std::uint32_t pops = 0; !queue_.empty(); ++pops) {
+    // An element that its pixel no longer waits with was overtaken by a nearer one, or its pixel is labelled. What a
+    // live one is going to touch is asked of memory meanwhile.
+    const auto is_live = [this](const SnicElement& element) {
+      const PixelState* pixel = &pixels_(element.x, element.y);
+      __builtin_prefetch(pixel - pixels_.width());
+      __builtin_prefetch(pixel + pixels_.width());
+      if (pixel->waiting != element.distance) return false;
+      __builtin_prefetch(&clusters_[pixel->label]);
+      return true;
+    };
+    SnicElement element;
+    for (std::uint32_t pops = 0; queue_.Pop(is_live, element); ++pops) {
       if (pops % kPopsBetweenStopChecks == 0 && stop.stop_requested()) return Cancelled();
-      const SnicElement element = queue_.Pop();
       PixelState& pixel = pixels_(element.x, element.y);
-      if (pixel.waiting == kLabelled) continue;
       pixel.waiting = kLabelled;
       Cluster& cluster = clusters_[pixel.label];
       cluster.Add(element.x - kFrame, element.y - kFrame, pixel.color);
