@@ -3,12 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace depthfarm {
 
-// Minimum s-t cut by augmenting paths between two search trees (Boykov and Kolmogorov, "An experimental comparison of
-// min-cut/max-flow algorithms", PAMI 2004), on flat index arrays that are reused from one problem to the next.
+// Minimum s-t cut by augmenting paths from a search tree of the source that is mended after each of them (as one of the
+// two trees of Boykov and Kolmogorov, "An experimental comparison of min-cut/max-flow algorithms", PAMI 2004), on flat
+// index arrays that are reused from one problem to the next, a node's arcs side by side.
+//
+// There is no tree of the sink: in an expansion move nearly all nodes have a capacity to it themselves, so that a path
+// ends as soon as it leaves the source tree, and most nodes are never looked at.
 //
 // The cut is canonical: the source side is exactly the set of nodes reachable from the source in the residual graph,
 // the smallest of all minimum cuts, whatever the order of the edges. (When the search ends, nothing can grow: every
@@ -27,66 +32,65 @@ class MaxFlow {
 
   // Adds edges u -> v and v -> u with the same capacity, >= 0. Parallel edges are allowed. The sum of a pair's
   // capacities must stay below 2^30.
-  void AddEdge(Node u, Node v, std::int32_t capacity);
+  void AddEdge(Node u, Node v, std::int32_t capacity) {
+    if (capacity > 0) edges_.push_back({u, v, capacity});
+  }
 
   // Computes the maximum flow; call once after the edges are in. Returns its value.
   std::int64_t Solve();
 
   // After Solve: whether the node is on the source side of the canonical minimum cut.
-  [[nodiscard]] bool InSourceSide(Node node) const {
-    return nodes_[node].parent != kNoArc && !nodes_[node].in_sink_tree;
-  }
+  [[nodiscard]] bool InSourceSide(Node node) const { return nodes_[node].parent != kNone; }
 
  private:
-  using Arc = std::int32_t;             // index; a ^ 1 is the reverse arc
-  static constexpr Arc kNoArc = -1;     // node in no tree
-  static constexpr Arc kTerminal = -2;  // child of the source or the sink itself
-  static constexpr Arc kOrphan = -3;
-  static constexpr Node kNotActive = 0xFFFFFFFF;  // not in the queue of active nodes
+  using Arc = std::uint32_t;                                         // index
+  static constexpr Arc kTerminal = std::numeric_limits<Arc>::max();  // child of the source itself
+  static constexpr Arc kNone = kTerminal - 1;                        // not in the tree
+  static constexpr Arc kOrphan = kTerminal - 2;
 
   struct NodeState {
     std::int64_t terminal = 0;  // residual capacity from the source (> 0) or to the sink (< 0)
-    Arc first = kNoArc;
-    Arc parent = kNoArc;        // arc from the node to its parent
-    std::int32_t distance = 0;  // to the terminal, an upper bound valid at `stamp`
+    Arc first = 0;              // its arcs are [first, the next node's first)
+    Arc parent = kNone;         // arc from the node to its parent
+    std::int32_t distance = 0;  // to the source, an upper bound valid at `stamp`
     std::int32_t stamp = 0;
-    Node next_active = kNotActive;  // the node itself: last of the queue
-    bool in_sink_tree = false;
+    bool is_active = false;  // in the queue of nodes to scan
   };
   struct ArcState {
     Node head = 0;
-    Arc next = kNoArc;
+    Arc reverse = 0;
     std::int32_t residual = 0;
   };
+  struct Edge {
+    Node u = 0;
+    Node v = 0;
+    std::int32_t capacity = 0;
+  };
 
-  void PlantTrees();
+  void BuildArcs();
+  // Paths of one arc, before there is a tree: many nodes get rid of all they have from the source.
+  void SendToNeighbours(Node node);
   void MakeActive(Node node);
-  [[nodiscard]] Node TakeActive();
-  // Grows the tree of an active node; returns an arc from the source tree to the sink tree, or kNoArc.
-  [[nodiscard]] Arc Grow(Node node);
-  [[nodiscard]] std::int64_t Bottleneck(Arc bridge) const;
-  void Augment(Arc bridge);
+  // Grows the tree from a node, and sends flow to the sink where it can.
+  void Scan(Node node);
+  // Sends what the path from the source over an arc out of the tree to the sink takes.
+  void Augment(Arc last);
   void MakeOrphan(Node node);
+  // Gives every orphan another parent or takes it out of the tree.
   void AdoptOrphans();
   void Adopt(Node node);
-  // Distance of `node` to its terminal if its path reaches it without an orphan, else -1; stamps the path.
-  [[nodiscard]] std::int32_t DistanceToTerminal(Node node);
-  // Residual capacity of the tree arc between a node and a possible parent, in the direction of the flow.
-  [[nodiscard]] std::int32_t TreeResidual(Arc to_parent, bool in_sink_tree) const {
-    return in_sink_tree ? arcs_[static_cast<std::size_t>(to_parent)].residual
-                        : arcs_[static_cast<std::size_t>(to_parent ^ 1)].residual;
-  }
-  [[nodiscard]] ArcState& arc(Arc a) { return arcs_[static_cast<std::size_t>(a)]; }
-  [[nodiscard]] const ArcState& arc(Arc a) const { return arcs_[static_cast<std::size_t>(a)]; }
+  // Distance of a node to the source if its path reaches it without an orphan, else -1; stamps the path.
+  [[nodiscard]] std::int32_t DistanceToSource(Node node);
+  [[nodiscard]] Arc EndOf(Node node) const { return nodes_[node + 1].first; }
 
-  std::vector<NodeState> nodes_;
+  std::vector<NodeState> nodes_;  // and one more, whose `first` ends the arcs
+  std::vector<Edge> edges_;
   std::vector<ArcState> arcs_;
-  std::vector<Node> orphans_;  // a FIFO: [orphan_head_, size)
-  std::size_t orphan_head_ = 0;
-  Node queue_first_ = kNotActive;  // nodes found now
-  Node queue_last_ = kNotActive;
-  std::int64_t flow_ = 0;
+  std::vector<Arc> place_;     // of BuildArcs
+  std::vector<Node> active_;   // a queue: nodes to scan
+  std::vector<Node> orphans_;  // a queue
   std::int32_t time_ = 0;
+  std::int64_t flow_ = 0;
 };
 
 }  // namespace depthfarm
