@@ -71,7 +71,6 @@ _FOUNTAIN, _FOUNTAIN_OUT = _others(11, "{:04}", (2, 5, 8))
 LEFT_OUT = [
     LeftOut(RealSet("llff_fern", _FERN, 2), _FERN_OUT),
     LeftOut(RealSet("strecha_fountain_p11", _FOUNTAIN, 4), _FOUNTAIN_OUT),
-    LeftOut(RealSet("panoptic_basketball", ("cam10", "cam14", "cam19", "cam23", "cam27")), ("cam16",)),
     LeftOut(RealSet("panoptic_basketball", ("cam02", "cam03", "cam04", "cam12", "cam22")), ("cam07",)),
     LeftOut(RealSet("panoptic_basketball", ("cam08", "cam11", "cam17", "cam29")), ("cam25",)),
 ]
