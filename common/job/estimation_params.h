@@ -34,8 +34,8 @@ struct EstimationParams {
   int i_threshold = 1;          // T_I of III-E
   int level_blocks = 0;         // n of IV-A; 0: from the job alone, see ResolveJob
   Partition partition = Partition::kInterleaved;
-  int max_sweeps = 2;       // sweeps over the levels of a block; 0: until no move lowers the energy. The second
-                            // finds all but 0.01-0.05 % of it
+  int max_sweeps = 1;       // sweeps over the levels of a block; 0: until no move lowers the energy. A second one finds
+                            // what no view shows (docs/method.md, 6)
   int neighbours = 2;       // views matched against each view; the paper's two
   int refine_rounds = 4;    // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
   bool confidence = false;  // also write how likely the depth of each pixel is right

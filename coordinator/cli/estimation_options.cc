@@ -150,7 +150,7 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("neighbors", text, params.neighbours);
      }},
-    {"sweeps", "auto|N", "Sweeps over the levels of a block (default 2); auto: until no move lowers the energy",
+    {"sweeps", "auto|N", "Sweeps over the levels of a block (default 1); auto: until no move lowers the energy",
      [](std::string_view text, EstimationParams& params) {
        return ParseAutoOrInteger("sweeps", text, params.max_sweeps);
      }},

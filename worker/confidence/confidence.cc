@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "worker/refinement/better_half.h"
 #include "worker/refinement/other_view.h"
 #include "worker/refinement/patch_cost.h"
 #include "worker/refinement/picture_samples.h"
@@ -18,15 +19,18 @@ namespace {
 
 // Log odds of being wrong: a logistic regression on every seventh pixel of the eight 640x480 scenes of scene set v1's
 // tuning list; docs/method.md, 9.
-constexpr double kBase = -8.84;
-constexpr double kOfMisfit = 5.51;  // of misfit / (misfit + kHalfMisfit)
+constexpr double kBase = -8.12;
+constexpr double kOfMisfit = 5.3;  // of misfit / (misfit + kHalfMisfit)
 constexpr double kHalfMisfit = 0.03;
-constexpr std::array<double, 3> kOfAgreeing = {0.99, 0.90, 0.66};  // none, one, two; more: 0
-constexpr double kOfSeenThrough = 1.46;
-constexpr double kOfNearestGap = 1.94;
-constexpr double kOfMeanGap = 2.85;
-constexpr std::array<std::pair<int, double>, 3> kOfJump = {{{1, 0.49}, {2, 0.37}, {4, 0.70}}};  // at most so far: add
+constexpr double kOfMargin = -1.02;  // of margin / (margin + kHalfMargin)
+constexpr double kHalfMargin = 0.02;
+constexpr std::array<double, 3> kOfAgreeing = {0.88, 0.81, 0.58};  // none, one, two; more: 0
+constexpr double kOfSeenThrough = 1.31;
+constexpr double kOfNearestGap = 1.58;
+constexpr double kOfMeanGap = 2.98;
+constexpr std::array<std::pair<int, double>, 3> kOfJump = {{{1, 0.63}, {2, 0.41}, {4, 0.74}}};  // at most so far: add
 
+constexpr double kElsewhere = 2;    // pixels of u: where a pixel must fit worse to be sure
 constexpr double kAgreement = 0.5;  // pixels of u
 constexpr float kJump = 0.5F;       // pixels of u between neighbours
 constexpr float kNotSeen = -1;
@@ -67,18 +71,25 @@ Grid<std::uint8_t> DistanceToJumps(const InverseDepthMap& map) {
 
 // One of the other views, as the pixels of the view see it with the depth they have.
 struct Compared {
-  Grid<float> misfit;  // rho, kNotSeen where that view does not see the pixel
-  Grid<float> gap;     // pixels of u between the depths of both; only where seen
+  std::array<Grid<float>, 3> misfit;  // rho there, kElsewhere nearer and farther; kNotSeen where not seen
+  Grid<float> gap;                    // pixels of u between the depths of both; only where seen
   Grid<std::uint8_t> sees_through;
 };
 
 Compared Compare(const ColourGrid& own, const InverseDepthMap& map, const OtherView& other) {
-  Compared compared{{own.width(), own.height(), kNotSeen}, {own.width(), own.height()}, {own.width(), own.height()}};
+  const Grid<float> nowhere(own.width(), own.height(), kNotSeen);
+  Compared compared{{nowhere, nowhere, nowhere}, {own.width(), own.height()}, {own.width(), own.height()}};
   for (int y = 0; y < own.height(); ++y) {
     for (int x = 0; x < own.width(); ++x) {
-      const std::optional<Seen> seen = SeenIn(*other.pair, *other.map, x, y, map(x, y));
+      const double u = map(x, y);
+      const std::optional<Seen> seen = SeenIn(*other.pair, *other.map, x, y, u);
+      const auto elsewhere = [&](double offset) {
+        return static_cast<float>(Misfit(own(x, y), other, x, y, u + offset).value_or(double{kNotSeen}));
+      };
+      compared.misfit[1](x, y) = elsewhere(kElsewhere);
+      compared.misfit[2](x, y) = elsewhere(-kElsewhere);
       if (!seen) continue;
-      compared.misfit(x, y) = static_cast<float>(MisfitAt(own(x, y), other, *seen));
+      compared.misfit[0](x, y) = static_cast<float>(MisfitAt(own(x, y), other, *seen));
       compared.gap(x, y) = static_cast<float>(std::abs(DepthAt(*other.map, *seen) - seen->u_in_other));
       compared.sees_through(x, y) = SeesThrough(*other.map, *seen) ? 1 : 0;
     }
@@ -86,23 +97,36 @@ Compared Compare(const ColourGrid& own, const InverseDepthMap& map, const OtherV
   return compared;
 }
 
-// Mean over the 3 x 3 pixels around, those alike in colour counting most; kNotSeen where none is seen.
-double MeanMisfit(const Compared& compared, const std::array<double, 9>& weights, int x0, int y0) {
+using Weights = std::array<double, 9>;  // of the 3 x 3 pixels around one: those alike in colour count most
+
+// Mean over the 3 x 3 pixels around; kNotSeen where none is seen.
+double MeanMisfit(const Grid<float>& misfit, const Weights& weights, int x0, int y0) {
   double sum = 0;
   double weight_sum = 0;
   for (int i = 0; i < 9; ++i) {
     const int x = x0 + i % 3 - 1;
     const int y = y0 + i / 3 - 1;
-    if (!compared.misfit.Contains(x, y) || compared.misfit(x, y) == kNotSeen) continue;
+    if (!misfit.Contains(x, y) || misfit(x, y) == kNotSeen) continue;
     const double weight = weights[static_cast<std::size_t>(i)];
-    sum += weight * static_cast<double>(compared.misfit(x, y));
+    sum += weight * static_cast<double>(misfit(x, y));
     weight_sum += weight;
   }
   return weight_sum > 0 ? sum / weight_sum : static_cast<double>(kNotSeen);
 }
 
+// Mean of those over the better half of the views that see it; `place`: of Compared::misfit.
+double MisfitOfBetterHalf(const std::vector<Compared>& others, std::size_t place, const Weights& weights, int x,
+                          int y) {
+  BetterHalf means;
+  for (const Compared& other : others) {
+    const double mean = MeanMisfit(other.misfit[place], weights, x, y);
+    if (mean >= 0) means.Add(mean);
+  }
+  return means.Mean();
+}
+
 Evidence EvidenceAt(const ColourGrid& own, const std::vector<Compared>& others, int to_jump, int x, int y) {
-  std::array<double, 9> weights{};
+  Weights weights{};
   for (int i = 0; i < 9; ++i) {
     const int nx = x + i % 3 - 1;
     const int ny = y + i / 3 - 1;
@@ -110,12 +134,14 @@ Evidence EvidenceAt(const ColourGrid& own, const std::vector<Compared>& others, 
   }
   Evidence evidence;
   evidence.to_jump = to_jump;
-  std::vector<double> misfits;
+  evidence.misfit = MisfitOfBetterHalf(others, 0, weights, x, y);
+  const double elsewhere =
+      std::min(MisfitOfBetterHalf(others, 1, weights, x, y), MisfitOfBetterHalf(others, 2, weights, x, y));
+  evidence.margin = std::max(0.0, elsewhere - evidence.misfit);
   int seen = 0;
   double gaps = 0;
   for (const Compared& other : others) {
-    if (const double misfit = MeanMisfit(other, weights, x, y); misfit >= 0) misfits.push_back(misfit);
-    if (other.misfit(x, y) == kNotSeen) continue;
+    if (other.misfit[0](x, y) == kNotSeen) continue;
     const auto gap = static_cast<double>(other.gap(x, y));
     ++seen;
     gaps += gap;
@@ -124,18 +150,14 @@ Evidence EvidenceAt(const ColourGrid& own, const std::vector<Compared>& others, 
     if (other.sees_through(x, y) != 0) evidence.seen_through = true;
   }
   if (seen > 0) evidence.mean_gap = std::min(1.0, gaps / seen);
-  if (misfits.empty()) return evidence;
-  std::sort(misfits.begin(), misfits.end());
-  misfits.resize((misfits.size() + 1) / 2);
-  evidence.misfit = 0;
-  for (const double misfit : misfits) evidence.misfit += misfit / static_cast<double>(misfits.size());
   return evidence;
 }
 
 }  // namespace
 
 double ProbabilityOfRight(const Evidence& evidence) {
-  double wrong = kBase + kOfMisfit * evidence.misfit / (evidence.misfit + kHalfMisfit);
+  double wrong = kBase + kOfMisfit * evidence.misfit / (evidence.misfit + kHalfMisfit) +
+                 kOfMargin * evidence.margin / (evidence.margin + kHalfMargin);
   if (const auto agreeing = static_cast<std::size_t>(evidence.agreeing); agreeing < kOfAgreeing.size())
     wrong += kOfAgreeing[agreeing];
   if (evidence.seen_through) wrong += kOfSeenThrough;

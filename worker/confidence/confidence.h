@@ -23,6 +23,7 @@ struct ConfidenceMap {
 // What there is for and against the depth of a pixel.
 struct Evidence {
   double misfit = 0.5;          // of its colour and its neighbours' in the better half of the other views, 0 to 1
+  double margin = 0;            // by how much that grows 2 px of u nearer or farther, where it grows least; >= 0
   int agreeing = 0;             // other views that see it and have it at the same depth, to half a pixel of u
   bool seen_through = false;    // some other view has nothing but what is farther there
   double nearest_gap = 1;       // pixels of u to the other view that agrees best, at most 1; 1 where none sees it

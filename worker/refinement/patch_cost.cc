@@ -4,10 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
+#include "worker/refinement/better_half.h"
+
 namespace depthfarm {
 namespace {
 
-constexpr double kUnseen = 0.5;        // rho of what no other view sees
 constexpr double kColourFalloff = 40;  // grey levels, summed over Y, Cb, Cr
 constexpr double kNotSeen = -1;
 
@@ -59,20 +60,10 @@ double PatchCost::At(int x0, int y0, PlaneIndex index, const SlantedPlane& plane
       }
     }
   }
-  std::array<double, kMostCompared> means{};  // ascending
-  std::size_t seen = 0;
-  for (std::size_t i = 0; i < others_.size(); ++i) {
-    if (!(weights[i] > 0)) continue;
-    const double mean = sums[i] / weights[i];
-    std::size_t at = seen++;
-    for (; at > 0 && means[at - 1] > mean; --at) means[at] = means[at - 1];
-    means[at] = mean;
-  }
-  if (seen == 0) return kUnseen;
-  const std::size_t half = (seen + 1) / 2;
-  double sum = 0;
-  for (std::size_t i = 0; i < half; ++i) sum += means[i];
-  return sum / static_cast<double>(half);
+  BetterHalf means;
+  for (std::size_t i = 0; i < others_.size(); ++i)
+    if (weights[i] > 0) means.Add(sums[i] / weights[i]);
+  return means.Mean();
 }
 
 }  // namespace depthfarm

@@ -15,12 +15,17 @@ using testing::HasSubstr;
 constexpr int kWidth = 160;
 constexpr int kHeight = 120;
 
-Evidence Good() { return {.misfit = 0, .agreeing = 4, .nearest_gap = 0, .mean_gap = 0}; }
+Evidence Good() { return {.misfit = 0, .margin = 1, .agreeing = 4, .nearest_gap = 0, .mean_gap = 0}; }
 
 TEST(ProbabilityOfRight, IsNearlyOneWithEveryEvidenceForItAndNearlyZeroWithAllAgainst) {
   EXPECT_GT(ProbabilityOfRight(Good()), 0.999);
-  EXPECT_LT(ProbabilityOfRight(
-                {.misfit = 1, .agreeing = 0, .seen_through = true, .nearest_gap = 1, .mean_gap = 1, .to_jump = 0}),
+  EXPECT_LT(ProbabilityOfRight({.misfit = 1,
+                                .margin = 0,
+                                .agreeing = 0,
+                                .seen_through = true,
+                                .nearest_gap = 1,
+                                .mean_gap = 1,
+                                .to_jump = 0}),
             0.05);
 }
 
@@ -33,6 +38,8 @@ TEST(ProbabilityOfRight, FallsWithEveryEvidenceAgainst) {
   };
   EXPECT_LT(with([](Evidence& e) { e.misfit = 0.05; }), best);
   EXPECT_LT(with([](Evidence& e) { e.misfit = 0.5; }), with([](Evidence& e) { e.misfit = 0.05; }));
+  EXPECT_LT(with([](Evidence& e) { e.margin = 0; }), with([](Evidence& e) { e.margin = 0.05; }));
+  EXPECT_LT(with([](Evidence& e) { e.margin = 0.05; }), best);
   EXPECT_EQ(with([](Evidence& e) { e.agreeing = 3; }), best);
   for (int agreeing = 2; agreeing >= 0; --agreeing) {
     EXPECT_LT(with([&](Evidence& e) { e.agreeing = agreeing; }), with([&](Evidence& e) { e.agreeing = agreeing + 1; }));
