@@ -91,7 +91,7 @@ def run(setup: Setup) -> Section:
         psnr = [over(reports, figures.psnr) for reports, _ in measured]
         outside = [over(reports, figures.psnr_outside_panels) for reports, _ in measured]
         difference = mean_of([theirs - own for theirs, own in zip(psnr, ours)])
-        rows.append([f"{len(rendered)} rendered scenes", method.name, mean_of(psnr).text(sign=False),
+        rows.append([f"{len(rendered)} rendered scenes" if method.name == OURS else "", method.name, mean_of(psnr).text(sign=False),
                      "" if method.name == OURS else difference.text(),
                      "" if math.isnan(mean_of(outside).mean) else mean_of(outside).text(sign=False),
                      f"{mean_of([over(reports, figures.psnr_non_hole) for reports, _ in measured]).mean:.2f}",
@@ -102,7 +102,7 @@ def run(setup: Setup) -> Section:
             reports, depth = measure(setup, case, method)
             psnr = over(reports, figures.psnr)
             best = psnr if best is None else best  # ours comes first
-            rows.append([case.label, method.name, f"{psnr:.2f}", "" if method.name == OURS else f"{psnr - best:+.2f}",
+            rows.append([case.label if method.name == OURS else "", method.name, f"{psnr:.2f}", "" if method.name == OURS else f"{psnr - best:+.2f}",
                          "", f"{over(reports, figures.psnr_non_hole):.2f}", f"{depth.cpu_per_view:.2f} s"])
         print(f"left_out: {case.label} done", flush=True)
     caption = setup.caption("left_out", setup.where([scene for scene in setup.scenes if scene.kind in IN_A_ROW]),

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 
+SIZES = {2: "half the size", 4: "a quarter of the size"}  # by --downscale
+
+
 @dataclass(frozen=True)
 class RealSet:
     """What of a set is used: one frame of some views, at some size."""
@@ -28,10 +31,10 @@ class RealSet:
     def label(self) -> str:
         """
         >>> RealSet("ring", ("a", "c"), 4).label()
-        'ring (a to c, a 4th of the size)'
+        'ring (a to c, a quarter of the size)'
         """
         parts = ([f"{self.views[0]} to {self.views[-1]}"] if self.views else []) + (
-            [f"a {self.downscale}th of the size"] if self.downscale > 1 else [])
+            [SIZES[self.downscale]] if self.downscale > 1 else [])
         return self.name + (f" ({', '.join(parts)})" if parts else "")
 
 
@@ -54,10 +57,10 @@ class LeftOut:
     def label(self) -> str:
         """
         >>> LeftOut(RealSet("ring", ("a", "c"), 4), ("b",)).label()
-        'ring: b from a to c (a 4th of the size)'
+        'ring, a quarter of the size: b from 2 others'
         """
-        size = f" (a {self.real.downscale}th of the size)" if self.real.downscale > 1 else ""
-        return f"{self.real.name}: {', '.join(self.targets)} from {self.real.views[0]} to {self.real.views[-1]}{size}"
+        size = f", {SIZES[self.real.downscale]}" if self.real.downscale > 1 else ""
+        return f"{self.real.name}{size}: {', '.join(self.targets)} from {len(self.real.views)} others"
 
 
 def _others(count: int, name: str, left_out: tuple[int, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
