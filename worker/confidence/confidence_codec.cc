@@ -4,16 +4,15 @@
 #include <cstdint>
 
 #include "common/base/little_endian.h"
+#include "common/compression/artifact_format.h"
 #include "common/compression/zstd_frame.h"
 #include "worker/segmentation/picture_size.h"
 
 namespace depthfarm {
 namespace {
 
-// magic, version, then one zstd frame of: width, height; the low bytes of all codes, then the high ones.
-constexpr std::string_view kMagic = "DFCM";
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kPrefixSize = 8;
+// A frame of: width, height; the low bytes of all codes, then the high ones.
+constexpr ArtifactFormat kFormat{.magic = "DFCM", .version = 1};
 constexpr std::size_t kHeaderSize = 8;
 
 Result<ConfidenceMap> DecodeFrame(std::string_view frame) {
@@ -42,24 +41,17 @@ std::string EncodeConfidence(const ConfidenceMap& map) {
   AppendU32(static_cast<std::uint32_t>(map.codes.height()), content);
   for (const unsigned shift : {0U, 8U})
     for (const std::uint16_t code : map.codes.values()) content.push_back(static_cast<char>(code >> shift & 0xFFU));
-  std::string bytes(kMagic);
-  AppendU32(kVersion, bytes);
-  AppendZstdFrame(content, bytes);
-  return bytes;
+  return EncodeArtifact(kFormat, content);
 }
 
 Result<ConfidenceMap> DecodeConfidence(std::string_view bytes) {
-  constexpr std::string_view kContext = "confidence map";
-  if (bytes.size() < kPrefixSize || bytes.substr(0, kMagic.size()) != kMagic)
-    return Corrupt("does not begin with DFCM and a version").WithContext(kContext);
-  if (const std::uint32_t version = ReadU32(bytes, kMagic.size()); version != kVersion) {
-    return Status(ErrorCode::kIncompatible,
-                  "version is " + std::to_string(version) + ", expected " + std::to_string(kVersion))
-        .WithContext(kContext);
-  }
-  Result<ConfidenceMap> map = DecodeFrame(bytes.substr(kPrefixSize));
-  if (!map.ok()) return map.status().WithContext(kContext);
-  return map;
+  const auto decoded = [&]() -> Result<ConfidenceMap> {
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view frame, FrameOfArtifact(kFormat, bytes));
+    return DecodeFrame(frame);
+  };
+  Result<ConfidenceMap> result = decoded();
+  if (!result.ok()) return result.status().WithContext("confidence map");
+  return result;
 }
 
 }  // namespace depthfarm

@@ -5,16 +5,15 @@
 #include <utility>
 
 #include "common/base/little_endian.h"
+#include "common/compression/artifact_format.h"
 #include "common/compression/zstd_frame.h"
 
 namespace depthfarm {
 namespace {
 
-// magic, version, then one zstd frame of: number of views; per view the number of segments, the differences of
+// A frame of: number of views; per view the number of segments, the differences of
 // successive levels (low bytes, then high bytes: they compress apart), the unchanged flags.
-constexpr std::string_view kMagic = "DFLF";
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kPrefixSize = 8;
+constexpr ArtifactFormat kFormat{.magic = "DFLF", .version = 1};
 constexpr std::uint32_t kMaxViews = 1024;
 constexpr std::size_t kMaxContent = std::size_t{1} << 31;
 
@@ -62,19 +61,13 @@ std::string EncodeLabelField(const LabelField& field) {
   std::string content;
   AppendU32(static_cast<std::uint32_t>(field.views.size()), content);
   for (const ViewLabels& view : field.views) AppendView(view, content);
-  std::string bytes(kMagic);
-  AppendU32(kVersion, bytes);
-  AppendZstdFrame(content, bytes);
-  return bytes;
+  return EncodeArtifact(kFormat, content);
 }
 
 Result<LabelField> DecodeLabelField(std::string_view bytes) {
-  if (bytes.size() < kPrefixSize || bytes.substr(0, kMagic.size()) != kMagic) return Corrupt("label field: not one");
-  if (ReadU32(bytes, kMagic.size()) != kVersion) {
-    return Corrupt("label field: version " + std::to_string(ReadU32(bytes, kMagic.size())) + ", expected " +
-                   std::to_string(kVersion));
-  }
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::string content, ReadZstdFrame(bytes.substr(kPrefixSize), 4, kMaxContent));
+  const Result<std::string_view> frame = FrameOfArtifact(kFormat, bytes);
+  if (!frame.ok()) return frame.status().WithContext("label field");
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string content, ReadZstdFrame(*frame, 4, kMaxContent));
   const std::uint32_t num_views = ReadU32(content, 0);
   if (num_views == 0 || num_views > kMaxViews) {
     return Corrupt("label field: " + std::to_string(num_views) + " views, expected 1 to " + std::to_string(kMaxViews));

@@ -13,7 +13,8 @@ namespace depthfarm {
 // bytes.
 [[nodiscard]] std::string EncodeLabelField(const LabelField& field);
 
-// kCorrupt, with the reason, for anything EncodeLabelField does not write; bounded allocation on hostile input.
+// kCorrupt, with the reason, for anything EncodeLabelField does not write, kIncompatible for another version; bounded
+// allocation on hostile input.
 [[nodiscard]] Result<LabelField> DecodeLabelField(std::string_view bytes);
 
 }  // namespace depthfarm

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "common/base/little_endian.h"
+#include "common/compression/artifact_format.h"
 #include "common/compression/zstd_frame.h"
 #include "worker/segmentation/label_codec.h"
 #include "worker/segmentation/picture_size.h"
@@ -13,11 +14,9 @@
 namespace depthfarm {
 namespace {
 
-// magic, version, then one zstd frame of: width, height, segments, planes; the kept flags; a, b, c of each plane, first
+// A frame of: width, height, segments, planes; the kept flags; a, b, c of each plane, first
 // the lowest byte of all, last the highest (they compress apart); the plane of each pixel (label_codec.h).
-constexpr std::string_view kMagic = "DFRV";
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kPrefixSize = 8;
+constexpr ArtifactFormat kFormat{.magic = "DFRV", .version = 1};
 constexpr std::size_t kHeaderSize = 16;
 constexpr std::size_t kPlaneBytes = 12;
 
@@ -105,25 +104,17 @@ std::string EncodeRefinedView(const RefinedView& view) {
     }
   }
   AppendLabels(view.plane_of_pixel, content);
-  std::string bytes(kMagic);
-  AppendU32(kVersion, bytes);
-  AppendZstdFrame(content, bytes);
-  return bytes;
+  return EncodeArtifact(kFormat, content);
 }
 
 Result<RefinedView> DecodeRefinedView(std::string_view bytes) {
-  constexpr std::string_view kContext = "refined view";
-  if (bytes.size() < kPrefixSize || bytes.substr(0, kMagic.size()) != kMagic)
-    return Corrupt("does not begin with DFRV and a version").WithContext(kContext);
-  const std::uint32_t version = ReadU32(bytes, kMagic.size());
-  if (version != kVersion) {
-    return Status(ErrorCode::kIncompatible,
-                  "version is " + std::to_string(version) + ", expected " + std::to_string(kVersion))
-        .WithContext(kContext);
-  }
-  Result<RefinedView> view = DecodeFrame(bytes.substr(kPrefixSize));
-  if (!view.ok()) return view.status().WithContext(kContext);
-  return view;
+  const auto decoded = [&]() -> Result<RefinedView> {
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view frame, FrameOfArtifact(kFormat, bytes));
+    return DecodeFrame(frame);
+  };
+  Result<RefinedView> result = decoded();
+  if (!result.ok()) return result.status().WithContext("refined view");
+  return result;
 }
 
 }  // namespace depthfarm

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/base/little_endian.h"
+#include "common/compression/artifact_format.h"
 #include "common/compression/zstd_frame.h"
 #include "worker/segmentation/describe.h"
 #include "worker/segmentation/label_codec.h"
@@ -13,9 +14,7 @@
 namespace depthfarm {
 namespace {
 
-constexpr std::string_view kMagic = "DFVA";
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kPrefixSize = 8;   // magic, version
+constexpr ArtifactFormat kFormat{.magic = "DFVA", .version = 1};
 constexpr std::size_t kHeaderSize = 12;  // width, height, segments
 
 using Channel = std::uint8_t Ycbcr::*;
@@ -103,26 +102,17 @@ std::string EncodeAnalysis(const ViewAnalysis& analysis) {
   for (const Channel channel : kChannels) AppendPlane(analysis.picture, channel, content);
   AppendLabels(analysis.segments.labels, content);
 
-  std::string bytes(kMagic);
-  AppendU32(kVersion, bytes);
-  AppendZstdFrame(content, bytes);
-  return bytes;
+  return EncodeArtifact(kFormat, content);
 }
 
 Result<ViewAnalysis> DecodeAnalysis(std::string_view bytes) {
-  constexpr std::string_view kContext = "view analysis";
-  if (bytes.size() < kPrefixSize || bytes.substr(0, kMagic.size()) != kMagic) {
-    return Corrupt("does not begin with DFVA and a version").WithContext(kContext);
-  }
-  const std::uint32_t version = ReadU32(bytes, kMagic.size());
-  if (version != kVersion) {
-    return Status(ErrorCode::kIncompatible,
-                  "version is " + std::to_string(version) + ", expected " + std::to_string(kVersion))
-        .WithContext(kContext);
-  }
-  Result<ViewAnalysis> analysis = DecodeFrame(bytes.substr(kPrefixSize));
-  if (!analysis.ok()) return analysis.status().WithContext(kContext);
-  return analysis;
+  const auto decoded = [&]() -> Result<ViewAnalysis> {
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view frame, FrameOfArtifact(kFormat, bytes));
+    return DecodeFrame(frame);
+  };
+  Result<ViewAnalysis> result = decoded();
+  if (!result.ok()) return result.status().WithContext("view analysis");
+  return result;
 }
 
 }  // namespace depthfarm

@@ -71,6 +71,7 @@ TEST(EstimateBlock, LabelsAreThoseOfTheOracleOnARealProblem) {
   EstimationParams params = SmallParams();
   params.segments = 150;
   params.levels = 10;
+  params.max_sweeps = 0;
   const ResolvedJob job = SmallJob(params);
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
   EstimationStats stats;
