@@ -40,9 +40,12 @@ def wrapped(text: str, width: int = 120) -> str:
     >>> wrapped("a b c\\n\\n| d | e f |", 3)
     'a b\\nc\\n\\n| d | e f |'
     """
-    parts = text.split("\n\n")
-    return "\n\n".join(part if part.startswith(("|", "!")) else textwrap.fill(part, width, break_long_words=False)
-                       for part in parts)
+    def filled(part: str) -> str:
+        if part.startswith(("|", "!")):
+            return part
+        return textwrap.fill(part, width, break_long_words=False, break_on_hyphens=False)  # `depthfarm-experiments`
+
+    return "\n\n".join(filled(part) for part in text.split("\n\n"))
 
 
 def put_section(document: str, section: Section) -> str:
