@@ -10,8 +10,8 @@ from scenes import SceneSpec
 PSNR_NOTE = ("PSNR-Y in 16-235 BT.601 (full range is 1.3 dB lower) of the views that lie between two others, each "
              "synthesised by `depthfarm evaluate` from the pictures and depth of these two.")
 INTERVALS = "Differences are paired; ± is the 95 % interval over scenes, of the paper's over its eight sequences."
-PANEL = ("A plain panel fills a tenth of each scene; its depth is a guess, and where the guess is wrong it decides the "
-         "PSNR of the whole view: hence also figures without the pixels that show it.")
+PANEL = ("A plain panel fills a tenth of each scene; where its depth is wrong it decides the PSNR of the whole view: hence "
+         "also figures without the pixels that show it.")
 SGBM = "two-pair SGBM"
 
 
