@@ -87,13 +87,23 @@ Status OutputFolder::CheckOutputPath(const std::string& path) const {
                          (views ? "views/<file>" : "depth/<camera>/<file> or confidence/<camera>/<file>"));
 }
 
+// A job that had begun has asked before. Every depth.json and views.json names what is in the first folder; confidence
+// maps, of which somebody may have others, only if there are any.
+bool OutputFolder::Owns(const fs::path& folder) const {
+  if (Exists(Marker())) return true;
+  if (!Exists(Manifest()) || folder == Folders().front()) return Exists(Manifest());
+  const Result<DepthManifest> manifest = ReadDepthManifest(dir_.string());
+  return manifest.ok() && std::ranges::any_of(manifest->cameras, [](const DepthManifestCamera& camera) {
+           return !camera.confidence.empty();
+         });
+}
+
 Status OutputFolder::Prepare() const {
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(dir_.string()));
-  const bool ours = Exists(Manifest()) || Exists(Marker());
   for (const fs::path& folder : Folders()) {
-    if (!Exists(folder) || ours) continue;
+    if (!Exists(folder) || Owns(folder)) continue;
     return InvalidArgument(folder.string() + ": exists and was not made by depthfarm (no " +
-                           Manifest().filename().string() + " beside it): choose another folder");
+                           Manifest().filename().string() + " beside it that names it): choose another folder");
   }
   // The marker first: a worker that dies below leaves a folder that is still known to be ours.
   DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically((Marker()).string(), "a depthfarm job writes into this folder\n"));

@@ -32,8 +32,9 @@ class OutputFolder {
   // Touches nothing. kInvalidArgument unless `dir` is absolute and without "..".
   [[nodiscard]] static Result<OutputFolder> At(const std::string& dir, OutputContent content = OutputContent::kDepth);
 
-  // Makes the folder ready for a job: an older result of the same content is removed. kInvalidArgument when one
-  // of the folders it writes into exists but nothing says that depthfarm made it.
+  // Makes the folder ready for a job: an older result of the same content is removed. kInvalidArgument when one of the
+  // folders of such a result exists but nothing says that depthfarm made it: no marker, and no manifest that names
+  // files there.
   [[nodiscard]] Status Prepare() const;
   // Writes a file of an attempt, in whole or not at all. kUnavailable when the folder belongs to no job (any more).
   [[nodiscard]] Status Stage(const std::string& staging, const std::string& path, std::string_view bytes) const;
@@ -50,6 +51,7 @@ class OutputFolder {
   [[nodiscard]] std::filesystem::path Manifest() const;
   [[nodiscard]] std::filesystem::path Marker() const;
   [[nodiscard]] std::vector<std::filesystem::path> Folders() const;  // of committed files
+  [[nodiscard]] bool Owns(const std::filesystem::path& folder) const;
   [[nodiscard]] Status CheckOutputPath(const std::string& path) const;
   [[nodiscard]] Result<std::filesystem::path> StagingOf(const std::string& staging) const;
   [[nodiscard]] Status CommitFile(const std::filesystem::path& staging, const OutputFile& file) const;

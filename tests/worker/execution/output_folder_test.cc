@@ -8,6 +8,8 @@
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
+#include "common/sequence/depth_manifest.h"
+#include "tests/support/plane_scene.h"
 #include "tests/support/temporary_folder.h"
 
 namespace depthfarm {
@@ -73,12 +75,26 @@ TEST_F(OutputFolderTest, CommitsNothingButWhatWasEmitted) {
   EXPECT_EQ(folder_.Commit("s", {FileOf("depth/b/0.png", "true")}).code(), ErrorCode::kUnavailable);
 }
 
+// A depth.json of one camera, with or without a confidence map.
+std::string ManifestText(bool confidence) {
+  DepthManifestCamera camera;
+  camera.camera = ForwardCamera("a", 0, 0, 16, 12, 20);
+  camera.z_near = 1;
+  camera.z_far = 2;
+  camera.files = {{"depth/a/0.png", std::string(64, '0')}};
+  camera.input_sha256 = {std::string(64, '0')};
+  if (confidence) camera.confidence = {{"confidence/a/0.png", std::string(64, '0')}};
+  DepthManifest manifest;
+  manifest.cameras = {camera};
+  return FormatDepthManifest(manifest).value();
+}
+
 TEST_F(OutputFolderTest, ConfidenceGoesBesideTheDepthAndWithIt) {
   ASSERT_TRUE(folder_.Prepare().ok());
   ASSERT_TRUE(folder_.Stage("s", "confidence/a/0.png", "sure").ok());
   ASSERT_TRUE(folder_.Commit("s", {FileOf("confidence/a/0.png", "sure")}).ok());
   EXPECT_EQ(Content("confidence/a/0.png"), "sure");
-  ASSERT_TRUE(folder_.Finish("{}").ok());
+  ASSERT_TRUE(folder_.Finish(ManifestText(true)).ok());
   ASSERT_TRUE(folder_.Prepare().ok());
   EXPECT_FALSE(fs::exists(dir_ / "confidence")) << "the next job begins anew";
 }
@@ -87,6 +103,15 @@ TEST_F(OutputFolderTest, RefusesAFolderWithSomebodyElsesConfidence) {
   Write(dir_ / "confidence/mine", "x");
   EXPECT_THAT(folder_.Prepare().message(), HasSubstr("confidence: exists and was not made by depthfarm"));
   EXPECT_EQ(Content("confidence/mine"), "x");
+}
+
+TEST_F(OutputFolderTest, OurDepthDoesNotMakeConfidenceOurs) {
+  Write(dir_ / "depth/a/0.png", "ours");
+  Write(dir_ / "depth.json", ManifestText(false));
+  Write(dir_ / "confidence/mine", "x");
+  EXPECT_THAT(folder_.Prepare().message(), HasSubstr("confidence: exists and was not made by depthfarm"));
+  EXPECT_EQ(Content("confidence/mine"), "x");
+  EXPECT_EQ(Content("depth/a/0.png"), "ours") << "nothing is removed by half";
 }
 
 TEST_F(OutputFolderTest, NoPathLeavesTheFolder) {
