@@ -13,6 +13,7 @@ namespace depthfarm {
 struct ArtifactFormat {
   std::string_view magic;  // four letters
   std::uint32_t version = 1;
+  std::string_view name = "artifact";  // in messages
 };
 
 // An artifact with this content. Same content, same bytes.
@@ -20,6 +21,18 @@ struct ArtifactFormat {
 
 // The zstd frame of an artifact, within `bytes`. kCorrupt: they begin otherwise; kIncompatible: another version.
 [[nodiscard]] Result<std::string_view> FrameOfArtifact(const ArtifactFormat& format, std::string_view bytes);
+
+// What `decode` makes of an artifact's frame, a Result. Errors: those of FrameOfArtifact and its own, after the
+// format's name.
+template <typename Decode>
+[[nodiscard]] auto DecodeArtifact(const ArtifactFormat& format, std::string_view bytes, const Decode& decode)
+    -> decltype(decode(bytes)) {
+  const Result<std::string_view> frame = FrameOfArtifact(format, bytes);
+  if (!frame.ok()) return frame.status().WithContext(std::string(format.name));
+  auto decoded = decode(*frame);
+  if (!decoded.ok()) return decoded.status().WithContext(std::string(format.name));
+  return decoded;
+}
 
 }  // namespace depthfarm
 

@@ -35,7 +35,7 @@ struct EstimationParams {
   int level_blocks = 0;         // n of IV-A; 0: from the job alone, see ResolveJob
   Partition partition = Partition::kInterleaved;
   int max_sweeps = 1;       // sweeps over the levels of a block; 0: until no move lowers the energy. A second one finds
-                            // what no view shows (docs/method.md, 6)
+                            // what no view shows (docs/method.md, 4)
   int neighbours = 2;       // views matched against each view; the paper's two
   int refine_rounds = 4;    // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
   bool confidence = false;  // also write how likely the depth of each pixel is right

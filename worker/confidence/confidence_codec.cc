@@ -12,7 +12,7 @@ namespace depthfarm {
 namespace {
 
 // A frame of: width, height; the low bytes of all codes, then the high ones.
-constexpr ArtifactFormat kFormat{.magic = "DFCM", .version = 1};
+constexpr ArtifactFormat kFormat{.magic = "DFCM", .version = 1, .name = "confidence map"};
 constexpr std::size_t kHeaderSize = 8;
 
 Result<ConfidenceMap> DecodeFrame(std::string_view frame) {
@@ -44,14 +44,6 @@ std::string EncodeConfidence(const ConfidenceMap& map) {
   return EncodeArtifact(kFormat, content);
 }
 
-Result<ConfidenceMap> DecodeConfidence(std::string_view bytes) {
-  const auto decoded = [&]() -> Result<ConfidenceMap> {
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view frame, FrameOfArtifact(kFormat, bytes));
-    return DecodeFrame(frame);
-  };
-  Result<ConfidenceMap> result = decoded();
-  if (!result.ok()) return result.status().WithContext("confidence map");
-  return result;
-}
+Result<ConfidenceMap> DecodeConfidence(std::string_view bytes) { return DecodeArtifact(kFormat, bytes, DecodeFrame); }
 
 }  // namespace depthfarm

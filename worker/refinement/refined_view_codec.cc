@@ -14,9 +14,9 @@
 namespace depthfarm {
 namespace {
 
-// A frame of: width, height, segments, planes; the kept flags; a, b, c of each plane, first
-// the lowest byte of all, last the highest (they compress apart); the plane of each pixel (label_codec.h).
-constexpr ArtifactFormat kFormat{.magic = "DFRV", .version = 1};
+// A frame of: width, height, segments, planes; the kept flags; a, b, c of each plane, first the lowest byte of all,
+// last the highest (they compress apart); the plane of each pixel (label_codec.h).
+constexpr ArtifactFormat kFormat{.magic = "DFRV", .version = 1, .name = "refined view"};
 constexpr std::size_t kHeaderSize = 16;
 constexpr std::size_t kPlaneBytes = 12;
 
@@ -107,14 +107,6 @@ std::string EncodeRefinedView(const RefinedView& view) {
   return EncodeArtifact(kFormat, content);
 }
 
-Result<RefinedView> DecodeRefinedView(std::string_view bytes) {
-  const auto decoded = [&]() -> Result<RefinedView> {
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view frame, FrameOfArtifact(kFormat, bytes));
-    return DecodeFrame(frame);
-  };
-  Result<RefinedView> result = decoded();
-  if (!result.ok()) return result.status().WithContext("refined view");
-  return result;
-}
+Result<RefinedView> DecodeRefinedView(std::string_view bytes) { return DecodeArtifact(kFormat, bytes, DecodeFrame); }
 
 }  // namespace depthfarm

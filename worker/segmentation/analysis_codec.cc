@@ -14,7 +14,7 @@
 namespace depthfarm {
 namespace {
 
-constexpr ArtifactFormat kFormat{.magic = "DFVA", .version = 1};
+constexpr ArtifactFormat kFormat{.magic = "DFVA", .version = 1, .name = "view analysis"};
 constexpr std::size_t kHeaderSize = 12;  // width, height, segments
 
 using Channel = std::uint8_t Ycbcr::*;
@@ -105,14 +105,6 @@ std::string EncodeAnalysis(const ViewAnalysis& analysis) {
   return EncodeArtifact(kFormat, content);
 }
 
-Result<ViewAnalysis> DecodeAnalysis(std::string_view bytes) {
-  const auto decoded = [&]() -> Result<ViewAnalysis> {
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view frame, FrameOfArtifact(kFormat, bytes));
-    return DecodeFrame(frame);
-  };
-  Result<ViewAnalysis> result = decoded();
-  if (!result.ok()) return result.status().WithContext("view analysis");
-  return result;
-}
+Result<ViewAnalysis> DecodeAnalysis(std::string_view bytes) { return DecodeArtifact(kFormat, bytes, DecodeFrame); }
 
 }  // namespace depthfarm
