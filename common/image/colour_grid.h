@@ -9,11 +9,12 @@
 namespace depthfarm {
 
 // A picture in floating point: what is sampled between pixels. Four values, so that a pixel is one vector register.
-using Colour = std::array<float, 4>;  // Y, Cb, Cr, 0 in grey levels (8-bit units)
+using Colour = std::array<float, 4>;  // Y, Cb, Cr, matte in grey levels (8-bit units)
 using ColourGrid = Grid<Colour>;
 
 [[nodiscard]] inline Colour ColourOf(const Ycbcr& pixel) {
-  return {static_cast<float>(pixel.y), static_cast<float>(pixel.cb), static_cast<float>(pixel.cr), 0};
+  return {static_cast<float>(pixel.y), static_cast<float>(pixel.cb), static_cast<float>(pixel.cr),
+          static_cast<float>(pixel.matte)};
 }
 
 [[nodiscard]] inline ColourGrid ColourOf(const YcbcrImage& picture) {

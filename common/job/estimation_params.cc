@@ -52,6 +52,8 @@ Status EstimationParams::Validate() const {
     return InvalidArgument(std::string(confidence ? "confidence" : "holes") +
                            " needs refined depth: leave out --refine 0 (--preset paper)");
   }
+  if (!prior.empty() && refine_rounds == 0)
+    return InvalidArgument("prior needs refined depth: leave out --refine 0 (--preset paper)");
   if (downscale != 1 && downscale != 2 && downscale != 4) return OutOfRange("downscale", downscale, "1, 2 or 4");
   if (first_frame < 0) return OutOfRange("frames: first", first_frame, ">= 0");
   if (end_frame != -1 && end_frame <= first_frame) {

@@ -40,7 +40,10 @@ struct EstimationParams {
   int refine_rounds = 4;    // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
   bool confidence = false;  // also write how likely the depth of each pixel is right
   double holes = 0;         // no depth where that is less likely than this; 0..1, less than 1; 0: depth everywhere
-  int downscale = 1;        // 1, 2 or 4
+  // Folders that the submitter turns into files of the sequence (common/sequence/guides.h); jobs do not carry them.
+  std::string prior;               // of prior depth; empty: none
+  std::string mask;                // of foreground masks; "sequence": those that the sequence names; empty: none
+  int downscale = 1;               // 1, 2 or 4
   std::vector<std::string> views;  // camera names; empty: every camera that has pictures
   int first_frame = 0;             // frames [first_frame, end_frame)
   int end_frame = -1;              // -1: to the end

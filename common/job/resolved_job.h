@@ -20,6 +20,8 @@ struct JobView {
   int source_width = 0;  // of the picture files, pixels
   int source_height = 0;
   PictureFormat format;
+  PriorFormat prior;            // of its files of prior depth
+  bool masked = false;          // it has foreground masks
   int segments = 0;             // requested; the seed grid comes as near as it can
   DepthRange own_range;         // zNear, zFar of its depth files, along its own axis
   std::vector<int> neighbours;  // indices into ResolvedJob::views, nearest first; D of eq. (1)

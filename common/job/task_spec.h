@@ -61,12 +61,22 @@ struct OutputFile {
   bool operator==(const OutputFile&) const = default;
 };
 
+// What besides its picture guides the depth of a view in a frame: absolute paths, empty for none.
+struct GuideFiles {
+  std::string mask;
+  std::string prior;
+  std::string prior_confidence;
+  [[nodiscard]] bool none() const { return mask.empty() && prior.empty(); }
+  bool operator==(const GuideFiles&) const = default;
+};
+
 // All that a worker needs for a task besides its JobConfig.
 struct TaskSpec {
   TaskId id;
   std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine, Assess
   std::vector<TaskInput> inputs;
   std::string picture;                         // Analyse: absolute path
+  GuideFiles guides;                           // Analyse
   std::string staging;                         // Emit, Render, Commit: folder below DIR/.depthfarm-staging
   std::vector<OutputFile> files;               // Commit: of the frame; Manifest: of all frames, by frame, then view
   std::vector<ContentDigest> picture_digests;  // Manifest: of each picture, by frame, then view

@@ -23,14 +23,36 @@ struct PictureFormat {
   bool operator==(const PictureFormat&) const = default;
 };
 
+// What files of prior depth hold: depth that comes from elsewhere (a scanner, a network, another program, a run
+// before).
+struct PriorFormat {
+  enum class Holds {
+    kNothing,        // the camera has no prior
+    kDepth,          // value * unit = z along the camera's own axis, the sequence's unit of length
+    kInverseDepth,   // value / unit = 1/z
+    kRelativeDepth,  // of 1/z up to scale and shift, larger is nearer: what networks predict from one picture
+    kCodes,          // 16-bit codes of the range z_near .. z_far (DepthCode): what this program writes
+  };
+  Holds holds = Holds::kNothing;
+  double unit = 1;
+  double z_near = 0;  // kCodes
+  double z_far = 0;
+  bool operator==(const PriorFormat&) const = default;
+};
+
 // One camera of a sequence and where its pictures are. Position f of every list is frame f.
 struct SequenceCamera {
   Camera camera;
   PictureFormat format;
   std::vector<std::string> images;  // absolute paths; empty = calibrated but without pictures: not estimated
-  std::vector<std::string> masks;   // absolute paths, optional
+  std::vector<std::string> masks;   // absolute paths, optional; "": none for that frame. Grey: 0 background, full white
+                                    // foreground
   std::vector<std::string> depth;   // absolute paths of supplied (estimated) depth, optional
-  std::optional<double> z_near;     // own range, the sequence's unit of length
+  // Of --prior, absolute paths; "": none for that frame. Empty without a prior.
+  PriorFormat prior_format;
+  std::vector<std::string> prior;
+  std::vector<std::string> prior_confidence;  // grey pictures, full white is certain
+  std::optional<double> z_near;               // own range, the sequence's unit of length
   std::optional<double> z_far;
 };
 

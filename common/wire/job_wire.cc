@@ -63,6 +63,8 @@ Result<JobView> ViewFromProto(const v1::JobView& proto, int index, int num_views
       view.neighbours, OtherViewsFromProto(name + "neighbours", proto.neighbours(), index, num_views, num_views - 1));
   DEPTHFARM_ASSIGN_OR_RETURN(view.compared,
                              OtherViewsFromProto(name + "compared", proto.compared(), index, num_views, kMostCompared));
+  DEPTHFARM_ASSIGN_OR_RETURN(view.prior, FromProto(proto.prior_format()));
+  view.masked = proto.masked();
   return view;
 }
 
@@ -204,6 +206,8 @@ v1::JobConfig ToProto(const JobConfig& config) {
     added->set_source_width(static_cast<std::uint32_t>(view.source_width));
     added->set_source_height(static_cast<std::uint32_t>(view.source_height));
     *added->mutable_format() = ToProto(view.format);
+    *added->mutable_prior_format() = ToProto(view.prior);
+    added->set_masked(view.masked);
     added->set_segments(static_cast<std::uint32_t>(view.segments));
     added->mutable_own_range()->set_z_near(view.own_range.z_near);
     added->mutable_own_range()->set_z_far(view.own_range.z_far);

@@ -29,6 +29,21 @@ Result<std::optional<double>> OptionalDistance(const std::string& field, bool pr
   return std::optional<double>(value);
 }
 
+using Paths = google::protobuf::RepeatedPtrField<std::string>;
+
+// None, or one for each of `count` frames, some of them empty.
+Status ReadGuides(const std::string& field, const Paths& proto, std::size_t count, std::vector<std::string>& paths) {
+  if (proto.empty()) return {};
+  if (static_cast<std::size_t>(proto.size()) != count)
+    return InvalidArgument(field + " are " + std::to_string(proto.size()) + ", expected one a frame, " +
+                           std::to_string(count));
+  for (const std::string& path : proto) {
+    if (!path.empty()) DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath(field, path));
+    paths.push_back(path);
+  }
+  return {};
+}
+
 Result<SequenceCamera> CameraFromProto(const v1::SequenceCamera& proto) {
   SequenceCamera camera;
   DEPTHFARM_ASSIGN_OR_RETURN(camera.camera, FromProto(proto.camera()));
@@ -39,6 +54,11 @@ Result<SequenceCamera> CameraFromProto(const v1::SequenceCamera& proto) {
     DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath(name + "image", image));
     camera.images.push_back(image);
   }
+  DEPTHFARM_RETURN_IF_ERROR(ReadGuides(name + "masks", proto.masks(), camera.images.size(), camera.masks));
+  DEPTHFARM_RETURN_IF_ERROR(ReadGuides(name + "priors", proto.prior(), camera.images.size(), camera.prior));
+  DEPTHFARM_RETURN_IF_ERROR(ReadGuides(name + "confidences of the prior", proto.prior_confidence(),
+                                       camera.images.size(), camera.prior_confidence));
+  DEPTHFARM_ASSIGN_OR_RETURN(camera.prior_format, FromProto(proto.prior_format()));
   DEPTHFARM_ASSIGN_OR_RETURN(camera.z_near, OptionalDistance(name + "zNear", proto.has_z_near(), proto.z_near()));
   DEPTHFARM_ASSIGN_OR_RETURN(camera.z_far, OptionalDistance(name + "zFar", proto.has_z_far(), proto.z_far()));
   return camera;
@@ -49,6 +69,10 @@ v1::SequenceCamera CameraToProto(const SequenceCamera& camera) {
   *proto.mutable_camera() = ToProto(camera.camera);
   *proto.mutable_format() = ToProto(camera.format);
   for (const std::string& image : camera.images) proto.add_images(image);
+  for (const std::string& mask : camera.masks) proto.add_masks(mask);
+  for (const std::string& prior : camera.prior) proto.add_prior(prior);
+  for (const std::string& confidence : camera.prior_confidence) proto.add_prior_confidence(confidence);
+  *proto.mutable_prior_format() = ToProto(camera.prior_format);
   if (camera.z_near) proto.set_z_near(*camera.z_near);
   if (camera.z_far) proto.set_z_far(*camera.z_far);
   return proto;
@@ -127,6 +151,35 @@ Result<PictureFormat> FromProto(const v1::PictureFormat& proto) {
   if (format.bits < 8) return InvalidArgument("picture bits is " + std::to_string(format.bits) + ", expected 8 to 16");
   format.full_range = proto.full_range();
   format.bt709 = proto.bt709();
+  return format;
+}
+
+v1::PriorFormat ToProto(const PriorFormat& format) {
+  v1::PriorFormat proto;
+  proto.set_content(static_cast<v1::PriorContent>(format.holds));
+  proto.set_unit(format.unit);
+  proto.set_z_near(format.z_near);
+  proto.set_z_far(format.z_far);
+  return proto;
+}
+
+Result<PriorFormat> FromProto(const v1::PriorFormat& proto) {
+  PriorFormat format;
+  if (proto.content() == v1::PRIOR_CONTENT_NOTHING) return format;
+  if (!v1::PriorContent_IsValid(proto.content()))
+    return InvalidArgument("content of the prior is " + std::to_string(proto.content()) + ", expected 0 to 4");
+  format.holds = static_cast<PriorFormat::Holds>(proto.content());
+  format.unit = proto.unit();
+  format.z_near = proto.z_near();
+  format.z_far = proto.z_far();
+  DEPTHFARM_RETURN_IF_ERROR(CheckFinite("unit of the prior", format.unit));
+  if (format.unit <= 0)
+    return InvalidArgument("unit of the prior is " + std::to_string(format.unit) + ", expected > 0");
+  DEPTHFARM_RETURN_IF_ERROR(CheckFinite("zNear of the prior", format.z_near));
+  DEPTHFARM_RETURN_IF_ERROR(CheckFinite("zFar of the prior", format.z_far));
+  if (format.holds == PriorFormat::Holds::kCodes && !(format.z_near > 0 && format.z_near < format.z_far))
+    return InvalidArgument("range of the prior is " + std::to_string(format.z_near) + " to " +
+                           std::to_string(format.z_far) + ", expected 0 < near < far");
   return format;
 }
 

@@ -287,12 +287,29 @@ v1::TaskSpec ToProto(const TaskSpec& spec) {
   if (spec.output_key) proto.set_output_key(DigestBytes(*spec.output_key));
   for (const TaskInput& input : spec.inputs) *proto.add_inputs() = InputToProto(input);
   proto.set_picture(spec.picture);
+  proto.set_mask(spec.guides.mask);
+  proto.set_prior(spec.guides.prior);
+  proto.set_prior_confidence(spec.guides.prior_confidence);
   proto.set_staging(spec.staging);
   for (const OutputFile& file : spec.files) *proto.add_files() = ToProto(file);
   for (const ContentDigest& digest : spec.picture_digests) proto.add_picture_digests(DigestBytes(digest));
   for (const VirtualPicture& view : spec.views) *proto.add_views() = ToProto(view);
   return proto;
 }
+
+namespace {
+
+Status ReadFilesOfAnalyse(const v1::TaskSpec& proto, TaskSpec& spec) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("picture", proto.picture()));
+  spec.picture = proto.picture();
+  spec.guides = {.mask = proto.mask(), .prior = proto.prior(), .prior_confidence = proto.prior_confidence()};
+  for (const auto& [field, path] : {std::pair{"mask", &spec.guides.mask}, std::pair{"prior", &spec.guides.prior},
+                                    std::pair{"confidence of the prior", &spec.guides.prior_confidence}})
+    if (!path->empty()) DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath(field, *path));
+  return {};
+}
+
+}  // namespace
 
 Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
   TaskSpec spec;
@@ -306,8 +323,7 @@ Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
     DEPTHFARM_ASSIGN_OR_RETURN(spec.output_key, DigestFromBytes("output key", proto.output_key()));
   }
   DEPTHFARM_RETURN_IF_ERROR(ReadLists(proto, spec));
-  if (spec.id.kind == TaskKind::kAnalyse) DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("picture", proto.picture()));
-  spec.picture = spec.id.kind == TaskKind::kAnalyse ? proto.picture() : "";
+  if (spec.id.kind == TaskKind::kAnalyse) DEPTHFARM_RETURN_IF_ERROR(ReadFilesOfAnalyse(proto, spec));
   const bool stages =
       spec.id.kind == TaskKind::kEmit || spec.id.kind == TaskKind::kRender || spec.id.kind == TaskKind::kCommit;
   if (stages) DEPTHFARM_RETURN_IF_ERROR(CheckFileName("staging folder", proto.staging()));

@@ -56,6 +56,12 @@ Status ParseSwitch(std::string_view option, std::string_view text, bool& value) 
   return {};
 }
 
+Status ParseFolder(std::string_view option, std::string_view text, std::string& folder) {
+  if (text.empty()) return Refuse(option, text, "a folder");
+  folder = text;
+  return {};
+}
+
 Status ParsePartition(std::string_view text, Partition& partition) {
   if (text == "blocks") {
     partition = Partition::kContiguous;
@@ -165,6 +171,10 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      }},
     {"holes", "C", "Leave no depth where that is less likely than C, 0 to less than 1; default 0: depth everywhere",
      [](std::string_view text, EstimationParams& params) { return ParseReal("holes", text, params.holes); }},
+    {"prior", "DIR", "Depth from elsewhere (a scanner, a network, another run), believed where pictures do not tell",
+     [](std::string_view text, EstimationParams& params) { return ParseFolder("prior", text, params.prior); }},
+    {"mask", "DIR|sequence", "Foreground masks, DIR/<camera>/<frame>.png, or those that SEQUENCE names",
+     [](std::string_view text, EstimationParams& params) { return ParseFolder("mask", text, params.mask); }},
 });
 
 const EstimationOption* FindOption(std::string_view name) {

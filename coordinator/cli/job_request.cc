@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "common/sequence/guides.h"
 #include "common/sequence/read_sequence.h"
 
 namespace depthfarm {
@@ -14,6 +15,18 @@ std::string WithThousands(long number) {
   std::string digits = std::to_string(number);
   for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), ",");
   return digits;
+}
+
+// The sequence with the files that guide the estimation, if any are asked for.
+Status AddGuides(const EstimationParams& params, Sequence& sequence) {
+  if (!params.prior.empty()) DEPTHFARM_RETURN_IF_ERROR(AddPriors(params.prior, sequence));
+  if (params.mask == "sequence") {
+    for (const SequenceCamera& camera : sequence.cameras)
+      if (!camera.masks.empty()) return {};
+    return InvalidArgument(sequence.file + ": no camera has 'masks', which --mask sequence asks for");
+  }
+  for (SequenceCamera& camera : sequence.cameras) camera.masks.clear();
+  return params.mask.empty() ? Status() : AddMasks(params.mask, sequence);
 }
 
 std::string BlocksText(const ResolvedJob& job) {
@@ -81,6 +94,7 @@ Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {
   DEPTHFARM_ASSIGN_OR_RETURN(request.params, BuildEstimationParams(arguments.estimation));
   DEPTHFARM_ASSIGN_OR_RETURN(request.sequence,
                              ReadSequence(arguments.sequence, {.allow_outside = arguments.allow_outside}));
+  DEPTHFARM_RETURN_IF_ERROR(AddGuides(request.params, request.sequence));
   DEPTHFARM_ASSIGN_OR_RETURN(request.resolved, ResolveJob(request.sequence, request.params));
   DEPTHFARM_RETURN_IF_ERROR(CheckPictures(request.sequence, request.resolved));
   std::error_code error;

@@ -21,6 +21,7 @@ inline constexpr int kNumTaskKinds = static_cast<int>(TaskKind::kCleanup) + 1;
 struct PlannedJob {
   JobConfig config;
   std::vector<std::vector<std::string>> pictures;  // [view][frame of the job], absolute paths
+  std::vector<std::vector<GuideFiles>> guides;     // the same; empty: no view has any
   std::vector<VirtualPicture> views;               // of a rendering job: all that it makes, kViewsPerPart to a part
 };
 

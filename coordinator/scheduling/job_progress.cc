@@ -185,7 +185,11 @@ TaskSpec JobProgress::Spec(const TaskId& id) const {
   spec.inputs = BoundInputs(id);
   spec.output_key = OutputKey(id, spec.inputs);
   if (id.kind == TaskKind::kAnalyse) {
-    spec.picture = plan_.job().pictures[static_cast<std::size_t>(id.index)][static_cast<std::size_t>(id.frame)];
+    const PlannedJob& job = plan_.job();
+    const auto view = static_cast<std::size_t>(id.index);
+    const auto frame = static_cast<std::size_t>(id.frame);
+    spec.picture = job.pictures[view][frame];
+    if (!job.guides.empty()) spec.guides = job.guides[view][frame];
   }
   if (id.kind == TaskKind::kCommit) {
     spec.staging = emitted_.at(id.frame).staging;

@@ -24,16 +24,25 @@ Result<std::string> OutputFolder(const std::string& asked) {
   return folder.string();
 }
 
-std::vector<std::vector<std::string>> PicturesOf(const Sequence& sequence, const ResolvedJob& job) {
-  std::vector<std::vector<std::string>> pictures;
-  for (const JobView& view : job.views) {
+// Pictures and guides of the job's views and frames.
+void ListFiles(const Sequence& sequence, PlannedJob& job) {
+  const ResolvedJob& resolved = job.config.resolved;
+  bool guided = false;
+  for (const JobView& view : resolved.views) {
     const auto camera =
         std::find_if(sequence.cameras.begin(), sequence.cameras.end(),
                      [&](const SequenceCamera& candidate) { return candidate.camera.name == view.camera.name; });
-    const auto first = camera->images.begin() + job.params.first_frame;
-    pictures.emplace_back(first, first + job.num_frames);
+    const auto first = camera->images.begin() + resolved.params.first_frame;
+    job.pictures.emplace_back(first, first + resolved.num_frames);
+    std::vector<GuideFiles>& guides = job.guides.emplace_back();
+    for (int frame = 0; frame < resolved.num_frames; ++frame) {
+      const auto f = static_cast<std::size_t>(resolved.params.first_frame + frame);
+      const auto of_frame = [f](const std::vector<std::string>& paths) { return f < paths.size() ? paths[f] : ""; };
+      guides.push_back({of_frame(camera->masks), of_frame(camera->prior), of_frame(camera->prior_confidence)});
+      guided = guided || !guides.back().none();
+    }
   }
-  return pictures;
+  if (!guided) job.guides.clear();
 }
 
 std::string WithThousands(std::int64_t number) {
@@ -64,7 +73,7 @@ Result<PlannedJob> PlanEstimation(const v1::SubmitJob& request) {
   DEPTHFARM_RETURN_IF_ERROR(CheckPlannable(job.config.resolved));
   job.config.sequence_name = sequence.name;
   job.config.sequence_file = sequence.file;
-  job.pictures = PicturesOf(sequence, job.config.resolved);
+  ListFiles(sequence, job);
   return job;
 }
 

@@ -20,9 +20,7 @@ WindowDifference WindowColorDifference(const YcbcrImage& view, const YcbcrImage&
   for (int dy = top; dy <= bottom; ++dy) {
     const Ycbcr* a = view.row(center.y + dy) + center.x;
     const Ycbcr* b = neighbour.row(target.y + dy) + target.x;
-    for (int dx = left; dx <= right; ++dx) {
-      result.sum += std::abs(a[dx].y - b[dx].y) + std::abs(a[dx].cb - b[dx].cb) + std::abs(a[dx].cr - b[dx].cr);
-    }
+    for (int dx = left; dx <= right; ++dx) result.sum += L1Distance(a[dx], b[dx]);
   }
   result.samples = (right - left + 1) * (bottom - top + 1);
   return result;

@@ -21,8 +21,7 @@ SmoothnessCost::SmoothnessCost(double initial_smoothing, int num_levels) {
 
 std::int32_t SmoothnessCost::Beta(const MeanColor& s, const MeanColor& t) const {
   if (numerator_ == 0) return 0;
-  const std::int64_t distance = std::abs(s.y - t.y) + std::abs(s.cb - t.cb) + std::abs(s.cr - t.cr);
-  const std::int64_t floored = std::max<std::int64_t>(distance, kMeanColorScale);
+  const std::int64_t floored = std::max<std::int64_t>(L1Distance(s, t), kMeanColorScale);
   const std::int64_t half = (numerator_ + floored / 2) / floored;
   return static_cast<std::int32_t>(2 * std::max<std::int64_t>(half, 1));
 }

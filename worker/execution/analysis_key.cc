@@ -7,7 +7,7 @@
 
 namespace depthfarm {
 
-ArtifactKey AnalysisKey(const JobView& view, const EstimationParams& params, const ContentDigest& picture_digest) {
+ArtifactKey AnalysisKey(const JobView& view, const EstimationParams& params, const AnalysisDigests& digests) {
   // One "name value" line each: no two lists of values give the same text.
   std::string text = "analyse\n";
   const auto add = [&text](const char* name, std::uint64_t value) {
@@ -23,7 +23,15 @@ ArtifactKey AnalysisKey(const JobView& view, const EstimationParams& params, con
   add("downscale", static_cast<std::uint64_t>(params.downscale));
   add("segments", static_cast<std::uint64_t>(view.segments));
   add("compactness_bits", std::bit_cast<std::uint64_t>(params.snic_compactness));
-  text += "picture " + Hex(picture_digest) + "\n";
+  text += "picture " + Hex(digests.picture) + "\n";
+  if (digests.mask) text += "mask " + Hex(*digests.mask) + "\n";
+  if (digests.prior) {
+    text += "prior " + Hex(*digests.prior) + "\n";
+    add("prior_holds", static_cast<std::uint64_t>(view.prior.holds));
+    for (const double number : {view.prior.unit, view.prior.z_near, view.prior.z_far})
+      add("prior_number", std::bit_cast<std::uint64_t>(number));
+    if (digests.prior_confidence) text += "prior_confidence " + Hex(*digests.prior_confidence) + "\n";
+  }
   return Sha256(text);
 }
 

@@ -8,6 +8,22 @@
 namespace depthfarm {
 namespace {
 
+const char* NameOf(PriorFormat::Holds holds) {
+  switch (holds) {
+    case PriorFormat::Holds::kNothing:
+      break;
+    case PriorFormat::Holds::kDepth:
+      return "depth";
+    case PriorFormat::Holds::kInverseDepth:
+      return "inverse-depth";
+    case PriorFormat::Holds::kRelativeDepth:
+      return "relative-depth";
+    case PriorFormat::Holds::kCodes:
+      return "codes";
+  }
+  return "nothing";
+}
+
 std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job) {
   const EstimationParams& params = job.params;
   const auto integer = [](int value) { return ManifestNumberOrText(static_cast<std::int64_t>(value)); };
@@ -33,7 +49,12 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"holes", params.holes},
       {"downscale", integer(params.downscale)},
   };
-  for (const JobView& view : job.views) parameters["segments/" + view.camera.name] = integer(view.segments);
+  for (const JobView& view : job.views) {
+    parameters["segments/" + view.camera.name] = integer(view.segments);
+    if (view.prior.holds != PriorFormat::Holds::kNothing)
+      parameters["prior/" + view.camera.name] = std::string(NameOf(view.prior.holds));
+    if (view.masked) parameters["mask/" + view.camera.name] = std::string("foreground");
+  }
   return parameters;
 }
 

@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "common/digest/sha256.h"
+#include "common/files/atomic_file.h"
 #include "common/media/colour_map.h"
 #include "common/media/depth_file.h"
+#include "common/media/guide_files.h"
 #include "common/media/picture_reader.h"
 #include "worker/confidence/confidence.h"
 #include "worker/confidence/confidence_codec.h"
@@ -25,6 +27,8 @@
 #include "worker/refinement/refined_view_codec.h"
 #include "worker/rendering/source_views.h"
 #include "worker/segmentation/analysis_codec.h"
+#include "worker/segmentation/mask_trust.h"
+#include "worker/segmentation/view_prior.h"
 
 namespace depthfarm {
 
@@ -179,17 +183,70 @@ Status TaskExecutor::Analyse(const Task& task, TaskOutcome& outcome) {
   return AnalysePicture(task, view, outcome).WithContext("camera '" + view.camera.name + "', " + task.FrameName());
 }
 
+namespace {
+
+constexpr std::uint64_t kMaxGuideBytes = std::uint64_t{1} << 32;
+
+// The bytes of the files that guide a view; nothing where there is none.
+struct GuideBytes {
+  std::optional<std::string> mask;
+  std::optional<std::string> prior;
+  std::optional<std::string> prior_confidence;
+};
+
+Result<std::optional<std::string>> ReadGuide(const std::string& path) {
+  if (path.empty()) return std::optional<std::string>();
+  DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, ReadFileBytes(path, kMaxGuideBytes));
+  return std::optional<std::string>(std::move(bytes));
+}
+
+Result<GuideBytes> ReadGuides(const GuideFiles& files) {
+  GuideBytes guides;
+  DEPTHFARM_ASSIGN_OR_RETURN(guides.mask, ReadGuide(files.mask));
+  DEPTHFARM_ASSIGN_OR_RETURN(guides.prior, ReadGuide(files.prior));
+  if (guides.prior.has_value()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(guides.prior_confidence, ReadGuide(files.prior_confidence));
+  }
+  return guides;
+}
+
+std::optional<ContentDigest> DigestOf(const std::optional<std::string>& bytes) {
+  return bytes.has_value() ? std::optional<ContentDigest>(Sha256(*bytes)) : std::nullopt;
+}
+
+Result<ViewPrior> PriorOf(const GuideBytes& guides, const GuideFiles& files, const PriorFormat& format,
+                          const SegmentMap& segments) {
+  const int width = segments.labels.width();
+  const int height = segments.labels.height();
+  Result<Grid<float>> values = DecodePrior(*guides.prior, format, width, height);
+  if (!values.ok()) return values.status().WithContext(files.prior);
+  Grid<float> confidence;
+  if (guides.prior_confidence.has_value()) {
+    Result<Grid<float>> shares = DecodeShare(*guides.prior_confidence, width, height);
+    if (!shares.ok()) return shares.status().WithContext(files.prior_confidence);
+    confidence = std::move(*shares);
+  }
+  ViewPrior prior = MakePrior(*values, confidence);
+  prior.segments = DescribePrior(segments, prior);
+  return prior;
+}
+
+}  // namespace
+
 Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskOutcome& outcome) {
   const std::string& path = task.spec.picture;
   const EstimationParams& params = task.job().params;
-  ContentDigest digest;
+  DEPTHFARM_ASSIGN_OR_RETURN(const GuideBytes guides, ReadGuides(task.spec.guides));
   YcbcrImage picture;
   {
     DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes,
                                ReadPictureBytes(path, view.format, view.source_width, view.source_height));
-    digest = Sha256(bytes);
-    const ArtifactKey key = AnalysisKey(view, params, digest);
-    outcome.picture_digest = digest;
+    const AnalysisDigests digests{.picture = Sha256(bytes),
+                                  .mask = DigestOf(guides.mask),
+                                  .prior = DigestOf(guides.prior),
+                                  .prior_confidence = DigestOf(guides.prior_confidence)};
+    const ArtifactKey key = AnalysisKey(view, params, digests);
+    outcome.picture_digest = digests.picture;
     outcome.output_key = key;
     if (const auto known = task.inputs.Find<ViewAnalysis>(key); known != nullptr) {
       outcome.artifact = store_.Find(key);
@@ -202,9 +259,16 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     if (!decoded.ok()) return decoded.status().WithContext(path);
     picture = std::move(*decoded);
   }
+  if (guides.mask.has_value()) {
+    DEPTHFARM_RETURN_IF_ERROR(ApplyMask(*guides.mask, picture).WithContext(task.spec.guides.mask));
+    WeighMask(picture);
+  }
   if (task.stop.stop_requested()) return Cancelled();
   DEPTHFARM_ASSIGN_OR_RETURN(ViewAnalysis analysis,
                              AnalyseView(std::move(picture), view.segments, params.snic_compactness, task.stop));
+  if (guides.prior.has_value()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(analysis.prior, PriorOf(guides, task.spec.guides, view.prior, analysis.segments));
+  }
   outcome.stats.segments = static_cast<std::uint32_t>(analysis.segments.num_segments());
   DEPTHFARM_ASSIGN_OR_RETURN(outcome.artifact, store_.Put(*outcome.output_key, EncodeAnalysis(analysis)));
   cache_.Put(*outcome.output_key, std::make_shared<const ViewAnalysis>(std::move(analysis)));

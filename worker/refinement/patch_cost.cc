@@ -9,14 +9,14 @@
 namespace depthfarm {
 namespace {
 
-constexpr double kColourFalloff = 40;  // grey levels, summed over Y, Cb, Cr
+constexpr double kColourFalloff = 40;  // grey levels, summed over the components
 constexpr double kNotSeen = -1;
 
 }  // namespace
 
 double ColourWeight(const Colour& a, const Colour& b) {
   double d = 0;
-  for (int i = 0; i < 3; ++i) d += std::abs(a[i] - b[i]);
+  for (int i = 0; i < 4; ++i) d += std::abs(a[i] - b[i]);
   const double base = 1 / (1 + d / kColourFalloff);
   return base * base * base * base;
 }

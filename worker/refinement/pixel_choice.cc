@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -25,6 +26,8 @@ constexpr double kDistinct = 0.15;  // pixels of u between candidates
 constexpr std::size_t kMaxCandidates = 5;
 constexpr int kSweeps = 3;
 constexpr std::size_t kCostsBetweenStopChecks = 1U << 12;
+constexpr double kPriorCost = 0.3;  // of rho, for a plane that the prior speaks against
+constexpr double kPriorScale = 1;   // pixels of u at which it does so in full
 constexpr double kPairCost = 0.05;  // of rho, for neighbours on different surfaces
 constexpr double kPairScale = 0.5;  // pixels of u at which they are that
 
@@ -108,6 +111,20 @@ void FillCosts(const RefinedView& view, PatchCost& cost, std::vector<Choice>& ch
   }
 }
 
+// What the prior has against each plane, where it says something.
+void AddPriorCosts(const RefinedView& view, const Grid<SegmentIndex>& segments, const PriorField& prior,
+                   std::vector<Choice>& choices) {
+  for (Choice& choice : choices) {
+    const std::optional<double> u = prior.At(choice.x, choice.y);
+    if (!u) continue;
+    const double weight = kPriorCost * prior.trust[segments(choice.x, choice.y)];
+    for (std::size_t i = 0; i < choice.count; ++i) {
+      const double gap = std::abs(view.planes[choice.planes[i]].At(choice.x, choice.y) - *u);
+      choice.costs[i] += weight * std::min(1.0, gap / kPriorScale);
+    }
+  }
+}
+
 PlaneIndex BestPlane(const ColourGrid& own, const RefinedView& view, const Choice& choice) {
   double best = std::numeric_limits<double>::infinity();
   PlaneIndex chosen = choice.planes[0];
@@ -154,7 +171,7 @@ Grid<std::uint8_t> NearChanges(const std::vector<Choice>& choices, const Refined
 }  // namespace
 
 void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
-                  RefinedView& view, const std::stop_token& stop) {
+                  const PriorField* prior, RefinedView& view, const std::stop_token& stop) {
   PatchCost cost(own, others);  // of all passes: planes and maps stay, only who has which plane changes
   Grid<std::uint8_t> open = JumpBand(view.Map());
   for (int pass = 0; pass < kMostPasses && !stop.stop_requested(); ++pass) {
@@ -162,6 +179,7 @@ void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std
     if (choices.empty()) return;
     FillCosts(view, cost, choices, stop);
     if (stop.stop_requested()) return;
+    if (prior != nullptr) AddPriorCosts(view, segments, *prior, choices);
     for (int sweep = 0; sweep < kSweeps; ++sweep)
       for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(own, view, choice);
     open = NearChanges(choices, view);

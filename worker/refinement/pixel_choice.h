@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "worker/refinement/other_view.h"
+#include "worker/refinement/prior_field.h"
 #include "worker/segmentation/segment_map.h"
 
 namespace depthfarm {
@@ -13,9 +14,10 @@ namespace depthfarm {
 // depth edges follow the picture's and not the segments'. Pass by pass planes spread from pixel to pixel, along a rod
 // that most of its segments have missed, until nothing changes. Pixels of kept segments (`segments` names them) stay as
 // they are. Where more than a quarter of the picture is near jumps (a thicket), only the higher ones count: those above
-// 1, 2, 4, at most 8 pixels of u. Ends early, with some pixels not chosen, once `stop` is requested.
+// 1, 2, 4, at most 8 pixels of u. A prior (null: none) speaks for the plane nearest to it. Ends early, with some pixels
+// not chosen, once `stop` is requested.
 void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
-                  RefinedView& view, const std::stop_token& stop = {});
+                  const PriorField* prior, RefinedView& view, const std::stop_token& stop = {});
 
 }  // namespace depthfarm
 

@@ -10,8 +10,8 @@
 namespace depthfarm {
 namespace {
 
-constexpr double kPlain = 1.5;       // grey levels a pixel: root mean square of the gradient over Y, Cb, Cr
-constexpr double kAlike = 12;        // grey levels, summed over Y, Cb, Cr, between neighbours of a region
+constexpr double kPlain = 1.5;       // grey levels a pixel: root mean square of the gradient over all components
+constexpr double kAlike = 12;        // grey levels, summed over the components, between neighbours of a region
 constexpr double kAlikeAtEdge = 40;  // of a mixture at its edge, against the region's mean
 constexpr double kSameDepth = 0.6;   // pixels of u
 constexpr std::size_t kFewestSegments = 12;
@@ -21,7 +21,7 @@ constexpr float kNothing = -1e9F;  // u of what hides nothing
 constexpr std::int32_t kNoRegion = -1;
 
 double Difference(const MeanColor& a, const MeanColor& b) {
-  return static_cast<double>(std::abs(a.y - b.y) + std::abs(a.cb - b.cb) + std::abs(a.cr - b.cr)) / kMeanColorScale;
+  return static_cast<double>(L1Distance(a, b)) / kMeanColorScale;
 }
 
 class Regions {
@@ -67,15 +67,18 @@ class Regions {
   }
 
   void AddEdge(PlainRegion& region) {
-    double y = 0, cb = 0, cr = 0;
+    double y = 0, cb = 0, cr = 0, matte = 0;
     for (const SegmentIndex s : region.segments) {
       y += segments_.means[s].y;
       cb += segments_.means[s].cb;
       cr += segments_.means[s].cr;
+      matte += segments_.means[s].matte;
     }
     const auto count = static_cast<double>(region.segments.size());
     const auto difference = [&](const MeanColor& c) {
-      return (std::abs(y / count - c.y) + std::abs(cb / count - c.cb) + std::abs(cr / count - c.cr)) / kMeanColorScale;
+      return (std::abs(y / count - c.y) + std::abs(cb / count - c.cb) + std::abs(cr / count - c.cr) +
+              std::abs(matte / count - c.matte)) /
+             kMeanColorScale;
     };
     for (std::size_t i = 0, end = region.segments.size(); i < end; ++i) {
       const SegmentIndex s = region.segments[i];
@@ -133,7 +136,7 @@ std::vector<std::uint8_t> PlainSegments(const ColourGrid& smoothed, const Segmen
     int pixels = 0;
     for (int y = std::max(1, cy - 1); y <= std::min(smoothed.height() - 2, cy + 1); ++y) {
       for (int x = std::max(1, cx - 1); x <= std::min(smoothed.width() - 2, cx + 1); ++x) {
-        for (int i = 0; i < 3; ++i) {
+        for (int i = 0; i < 4; ++i) {
           const double gx = 0.5 * (smoothed(x + 1, y)[i] - smoothed(x - 1, y)[i]);
           const double gy = 0.5 * (smoothed(x, y + 1)[i] - smoothed(x, y - 1)[i]);
           sum += gx * gx + gy * gy;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdlib>
 
-#include "worker/refinement/symmetric_solve.h"
+#include "common/geometry/symmetric_solve.h"
 
 namespace depthfarm {
 namespace {
@@ -35,10 +35,7 @@ std::vector<std::vector<Link>> LinksOf(const SegmentMap& map, std::span<const Lo
     const double gap_t = start[s][2] + start[s][0] * dx + start[s][1] * dy - start[t][2];
     const double gap_s = start[t][2] - start[t][0] * dx - start[t][1] * dy - start[s][2];
     const double gap = 0.5 * (std::abs(gap_t) + std::abs(gap_s)) / gap_scale;
-    const MeanColor& c = map.means[s];
-    const MeanColor& d = map.means[t];
-    const double colour =
-        static_cast<double>(std::abs(c.y - d.y) + std::abs(c.cb - d.cb) + std::abs(c.cr - d.cr)) / kMeanColorScale;
+    const double colour = static_cast<double>(L1Distance(map.means[s], map.means[t])) / kMeanColorScale;
     const double robust = 1 / (1 + gap * gap);
     const double weight = kLambda * robust * robust / (1 + colour / kColourScale);
     links[s].push_back({t, dx, dy, weight});

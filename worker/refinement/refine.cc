@@ -8,6 +8,7 @@
 #include "worker/refinement/pixel_choice.h"
 #include "worker/refinement/plain_regions.h"
 #include "worker/refinement/plane_solver.h"
+#include "worker/refinement/prior_field.h"
 #include "worker/refinement/region_plane.h"
 #include "worker/refinement/start_view.h"
 #include "worker/refinement/view_geometry.h"
@@ -22,7 +23,8 @@ constexpr double kFirstGapScale = 1;
 constexpr double kLastGapScale = 0.2;
 
 Status CheckPicture(const Camera& camera, const ViewAnalysis& analysis) {
-  const auto& [picture, segments] = analysis;
+  const YcbcrImage& picture = analysis.picture;
+  const SegmentMap& segments = analysis.segments;
   const auto fits = [&](int width, int height) { return width == camera.width && height == camera.height; };
   if (camera.width < 2 || camera.height < 2) {
     return InvalidArgument("camera '" + camera.name + "' is " + std::to_string(camera.width) + "x" +
@@ -40,23 +42,44 @@ Status CheckView(const ResolvedJob& job, int view) {
                          " views is to be refined");
 }
 
-// Surfaces without texture, each as a whole. `blurred`: whether `own` and the colours of `others` are smoothed already.
+// Per segment of `analysis`: 1 where the picture does not tell its depth. `blurred`: whether `colours` are.
+std::vector<std::uint8_t> PlainSegmentsOf(const ViewAnalysis& analysis, const ColourGrid& colours, bool blurred) {
+  return PlainSegments(blurred ? colours : Blurred(colours), analysis.segments);
+}
+
+// What the view's prior says, if it has one that can be used.
+std::optional<PriorField> PriorOf(const ResolvedJob& job, std::size_t view, const ViewAnalysis& analysis,
+                                  double pixels_per_inverse_depth, std::span<const std::uint8_t> plain,
+                                  const RefinedView& refined) {
+  if (analysis.prior.empty()) return std::nullopt;
+  std::vector<std::uint8_t> told(plain.size());
+  for (std::size_t s = 0; s < told.size(); ++s) told[s] = plain[s] == 0 ? 1 : 0;
+  const bool relative = job.views[view].prior.holds == PriorFormat::Holds::kRelativeDepth;
+  const PriorScale scale{.scale = relative ? 1 : pixels_per_inverse_depth, .fit = relative};
+  return FitPrior(analysis.prior, scale, analysis.segments, told, refined);
+}
+
+// Surfaces without texture, each as a whole; then, with a prior (null: none), all other segments. `plain`: of the
+// view's segments. `blurred`: whether `own` and the colours of `others` are smoothed already.
 void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const ColourGrid& own,
-                   std::span<const OtherView> others, bool blurred, RefinedView& refined, const std::stop_token& stop) {
-  const auto plain_of = [&](const ColourGrid& colours, std::size_t of) {
-    return PlainSegments(blurred ? colours : Blurred(colours), analysis[of]->segments);
-  };
+                   std::span<const OtherView> others, bool blurred, std::span<const std::uint8_t> plain,
+                   const PriorField* prior, RefinedView& refined, const std::stop_token& stop) {
   const SegmentMap& segments = analysis[view]->segments;
-  const std::vector<PlainRegion> regions = FindPlainRegions(segments, plain_of(own, view), refined);
+  const std::vector<PlainRegion> regions = FindPlainRegions(segments, plain, refined);
+  std::vector<std::uint8_t> decided(segments.centers.size());
+  for (const PlainRegion& region : regions)
+    for (const SegmentIndex s : region.segments) decided[s] = 1;
+  if (prior != nullptr) TakePrior(own, segments, *prior, decided, others, refined);
   if (regions.empty()) return;
   std::vector<InverseDepthMap> occluders;
   for (const OtherView& other : others) {
     const auto of = static_cast<std::size_t>(other.pair->other);
-    occluders.push_back(Occluders(*other.map, analysis[of]->segments.labels, plain_of(*other.colour, of)));
+    occluders.push_back(
+        Occluders(*other.map, analysis[of]->segments.labels, PlainSegmentsOf(*analysis[of], *other.colour, blurred)));
   }
   std::vector<OtherView> in_front(others.begin(), others.end());
   for (std::size_t i = 0; i < in_front.size(); ++i) in_front[i].map = &occluders[i];
-  DecidePlainRegions(own, segments, regions, in_front, refined, stop);
+  DecidePlainRegions(own, segments, regions, in_front, prior, refined, stop);
 }
 
 }  // namespace
@@ -164,18 +187,26 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
 
   RefinedView refined = *before[v];
   const SegmentMap& segments = analysis[v]->segments;
+  std::optional<PriorField> prior;
+  std::vector<std::uint8_t> plain;
+  if (round == kPlainRound || !analysis[v]->prior.empty()) {
+    plain = PlainSegmentsOf(*analysis[v], own, blur);
+    prior = PriorOf(job, v, *analysis[v], geometry.pixels_per_inverse_depth, plain, refined);
+  }
+  const PriorField* prior_or_null = prior.has_value() ? &*prior : nullptr;
   if (round == kPlainRound) {
-    DecideRegions(analysis, static_cast<std::size_t>(view), own, others, blur, refined, stop);
+    DecideRegions(analysis, v, own, others, blur, plain, prior_or_null, refined, stop);
     if (stop.stop_requested()) return Cancelled();
     map = refined.Map();
   }
   std::vector<NormalEquations> data = DataTerm(own, refined, map, segments.centers, others, blur, stop);
+  if (prior_or_null != nullptr) AddPrior(*prior_or_null, refined, segments.centers, data);
   if (agree) AddAgreement(*before[v], segments.centers, others, data);
   if (stop.stop_requested()) return Cancelled();
   const double progress = rounds > 1 ? static_cast<double>(round - 1) / (rounds - 1) : 1;
   SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined);
   if (stop.stop_requested()) return Cancelled();
-  if (agree) ChoosePlanes(own, segments.labels, others, refined, stop);
+  if (agree) ChoosePlanes(own, segments.labels, others, prior_or_null, refined, stop);
   if (stop.stop_requested()) return Cancelled();
   return refined;
 }

@@ -9,13 +9,13 @@
 #include <optional>
 #include <utility>
 
-#include "worker/refinement/symmetric_solve.h"
+#include "common/geometry/symmetric_solve.h"
 
 namespace depthfarm {
 namespace {
 
 constexpr double kDistinct = 0.15;  // pixels of u at the region's centre between candidates
-constexpr double kAlike = 40;       // grey levels, summed over Y, Cb, Cr: of a pixel and the region
+constexpr double kAlike = 40;       // grey levels, summed over the components: of a pixel and the region
 constexpr double kNearer = 2;       // pixels of u: beyond the far side by more is an occluder
 constexpr int kBesideOccluder = 3;  // pixels that its mixed colours may reach
 constexpr std::size_t kFewestPixels = 50;
@@ -25,6 +25,7 @@ constexpr double kLeastSupport = 0.05;     // of the rim
 constexpr double kAsGood = 0.2;            // of misfit for each segment of the rim
 constexpr double kMostUnseen = 0.5;        // of the region
 constexpr double kPlate = 0.9;             // of the region on one plane
+constexpr double kLeastSaid = 0.5;         // of the region, by a prior
 constexpr std::size_t kFewestForFit = 4;
 constexpr double kFitUnit = 100;   // pixels
 constexpr double kFitRidge = 0.1;  // towards no slope, where a rim is nearly a line; of the weights, per unit
@@ -46,15 +47,21 @@ struct Candidate {
   std::size_t unseen = 0;   // pixels that no other view sees
 };
 
+// What a region takes.
+struct Choice {
+  bool prior = false;  // each segment its plane of the prior
+  SlantedPlane plane;
+};
+
 // One region of a view.
 class Decision {
  public:
   Decision(const ColourGrid& own, const SegmentMap& segments, const PlainRegion& region,
-           std::span<const OtherView> others, const RefinedView& view)
-      : own_(own), segments_(segments), region_(region), others_(others), view_(view) {}
+           std::span<const OtherView> others, const PriorField* prior, const RefinedView& view)
+      : own_(own), segments_(segments), region_(region), others_(others), prior_(prior), view_(view) {}
 
   // `pixels`: the region's, in any fixed order.
-  std::optional<SlantedPlane> Make(std::vector<PixelPosition> pixels) {
+  std::optional<Choice> Make(std::vector<PixelPosition> pixels) {
     for (const auto& [x, y] : pixels) {
       center_x_ += x;
       center_y_ += y;
@@ -66,9 +73,12 @@ class Decision {
     std::vector<Candidate> candidates = Candidates();
     for (Candidate& candidate : candidates) Judge(candidate);
     const Candidate* chosen = Choose(candidates);
+    const double current = CurrentCost();
+    if (TakesPrior(chosen == nullptr ? current : std::min(current, chosen->cost)))
+      return Choice{.prior = true, .plane = {}};
     if (chosen == nullptr) return std::nullopt;
-    if (!IsPlate() && CurrentCost() <= chosen->cost + Tolerance()) return std::nullopt;
-    return chosen->plane;
+    if (!IsPlate() && current <= chosen->cost + Tolerance()) return std::nullopt;
+    return Choice{.prior = false, .plane = chosen->plane};
   }
 
  private:
@@ -77,13 +87,13 @@ class Decision {
 
   // Segments at the edge hold pixels of what is behind.
   [[nodiscard]] std::vector<PixelPosition> OfItsColour(std::vector<PixelPosition> pixels) const {
-    std::array<double, 3> mean{};
+    std::array<double, 4> mean{};
     for (const auto& [x, y] : pixels)
-      for (std::size_t i = 0; i < 3; ++i) mean[i] += own_(x, y)[i];
+      for (std::size_t i = 0; i < 4; ++i) mean[i] += own_(x, y)[i];
     for (double& value : mean) value /= static_cast<double>(pixels.size());
     std::erase_if(pixels, [&](const PixelPosition& p) {
       double difference = 0;
-      for (std::size_t i = 0; i < 3; ++i) difference += std::abs(own_(p.x, p.y)[i] - mean[i]);
+      for (std::size_t i = 0; i < 4; ++i) difference += std::abs(own_(p.x, p.y)[i] - mean[i]);
       return difference > kAlike;
     });
     return pixels;
@@ -195,11 +205,35 @@ class Decision {
     candidate.unseen *= Step();
   }
 
-  [[nodiscard]] double CurrentCost() const {
+  // `depth_at`: u of a pixel.
+  template <typename Depth>
+  [[nodiscard]] double CostOf(const Depth& depth_at) const {
     double cost = 0;
     for (std::size_t i = 0; i < pixels_.size(); i += Step())
-      cost += MisfitAt(pixels_[i], view_.At(pixels_[i].x, pixels_[i].y)).value_or(0);
+      cost += MisfitAt(pixels_[i], depth_at(pixels_[i].x, pixels_[i].y)).value_or(0);
     return cost * static_cast<double>(Step());
+  }
+
+  [[nodiscard]] double CurrentCost() const {
+    return CostOf([this](int x, int y) { return view_.At(x, y); });
+  }
+
+  // Whether the prior is to be preferred to what costs `best`.
+  [[nodiscard]] bool TakesPrior(double best) const {
+    if (prior_ == nullptr) return false;
+    std::size_t says = 0;
+    double trust = 0;
+    for (const SegmentIndex s : region_.segments) {
+      says += prior_->Says(s) ? 1 : 0;
+      trust += prior_->trust[s];
+    }
+    const auto count = static_cast<double>(region_.segments.size());
+    if (static_cast<double>(says) < kLeastSaid * count) return false;
+    const double cost = CostOf([this](int x, int y) {
+      const SegmentIndex s = segments_.labels(x, y);
+      return prior_->Says(s) ? prior_->planes[s].At(x, y) : view_.At(x, y);
+    });
+    return trust / count >= kTrusted ? cost <= best + Tolerance() : cost < best - Tolerance();
   }
 
   [[nodiscard]] const Candidate* Choose(std::vector<Candidate>& candidates) const {
@@ -236,6 +270,7 @@ class Decision {
   const SegmentMap& segments_;
   const PlainRegion& region_;
   std::span<const OtherView> others_;
+  const PriorField* prior_;
   const RefinedView& view_;
   std::vector<PixelPosition> pixels_;
   double center_x_ = 0;
@@ -245,7 +280,8 @@ class Decision {
 }  // namespace
 
 void DecidePlainRegions(const ColourGrid& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
-                        std::span<const OtherView> others, RefinedView& view, const std::stop_token& stop) {
+                        std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
+                        const std::stop_token& stop) {
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> region_of(segments.centers.size(), kNone);
   for (std::size_t r = 0; r < regions.size(); ++r)
@@ -259,9 +295,12 @@ void DecidePlainRegions(const ColourGrid& own, const SegmentMap& segments, std::
   }
   const RefinedView before = view;  // so that the order of regions changes nothing
   for (std::size_t r = 0; r < regions.size() && !stop.stop_requested(); ++r) {
-    const auto plane = Decision(own, segments, regions[r], others, before).Make(std::move(pixels[r]));
-    if (!plane) continue;
-    for (const SegmentIndex s : regions[r].segments) view.planes[s] = *plane;
+    const auto choice = Decision(own, segments, regions[r], others, prior, before).Make(std::move(pixels[r]));
+    if (!choice) continue;
+    for (const SegmentIndex s : regions[r].segments) {
+      if (!choice->prior) view.planes[s] = choice->plane;
+      if (choice->prior && prior->Says(s)) view.planes[s] = prior->planes[s];
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "worker/refinement/other_view.h"
 #include "worker/refinement/plain_regions.h"
+#include "worker/refinement/prior_field.h"
 
 namespace depthfarm {
 
@@ -15,10 +16,12 @@ namespace depthfarm {
 // pixels of a region together do tell, by those along its edges: on a wrong plane they appear beside the edge in the
 // other views. So a region takes the plane, of those around it, that fits the other views best; of planes that fit
 // alike, one that continues what lies around it on the far side. What varies already (a curved or slanted surface)
-// needs evidence. `others`: their maps are Occluders. Ends early, with some regions not decided, once `stop` is
-// requested.
+// needs evidence. With a prior (null: none) that field is one more of the planes: it wins where it fits about as well
+// as the best and is trusted there, or fits clearly better. `others`: their maps are Occluders. Ends early, with some
+// regions not decided, once `stop` is requested.
 void DecidePlainRegions(const ColourGrid& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
-                        std::span<const OtherView> others, RefinedView& view, const std::stop_token& stop = {});
+                        std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
+                        const std::stop_token& stop = {});
 
 }  // namespace depthfarm
 

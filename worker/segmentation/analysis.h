@@ -6,6 +6,7 @@
 #include "common/base/status.h"
 #include "common/image/picture.h"
 #include "worker/segmentation/segment_map.h"
+#include "worker/segmentation/view_prior.h"
 
 namespace depthfarm {
 
@@ -14,6 +15,7 @@ namespace depthfarm {
 struct ViewAnalysis {
   YcbcrImage picture;
   SegmentMap segments;
+  ViewPrior prior = {};  // empty: none
   bool operator==(const ViewAnalysis&) const = default;
 };
 

@@ -17,6 +17,7 @@ struct Sums {
   std::int64_t luma = 0;
   std::int64_t cb = 0;
   std::int64_t cr = 0;
+  std::int64_t matte = 0;
 
   // Orders positions by distance from the centroid: the squared distance less what all positions share, over `pixels`,
   //   (n x - X)^2 + (n y - Y)^2 = n * [n (x^2 + y^2) - 2 (x X + y Y)] + X^2 + Y^2.
@@ -39,6 +40,7 @@ std::vector<Sums> SumSegments(const Grid<SegmentIndex>& labels, const YcbcrImage
       segment.luma += color.y;
       segment.cb += color.cb;
       segment.cr += color.cr;
+      segment.matte += color.matte;
     }
   }
   return sums;
@@ -111,7 +113,8 @@ SegmentMap DescribeSegments(Grid<SegmentIndex> labels, const YcbcrImage& picture
   for (const Sums& segment : sums) {
     map.means.push_back({.y = ScaledMean(segment.luma, segment.pixels),
                          .cb = ScaledMean(segment.cb, segment.pixels),
-                         .cr = ScaledMean(segment.cr, segment.pixels)});
+                         .cr = ScaledMean(segment.cr, segment.pixels),
+                         .matte = ScaledMean(segment.matte, segment.pixels)});
   }
   map.adjacency = Adjacencies(labels, sums.size());
   map.labels = std::move(labels);

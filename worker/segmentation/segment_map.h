@@ -2,6 +2,7 @@
 #define DEPTHFARM_WORKER_SEGMENTATION_SEGMENT_MAP_H_
 
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 #include "common/image/grid.h"
@@ -19,14 +20,20 @@ struct PixelPosition {
 };
 
 // [Y^ Cb^ Cr^] of eq. (3) and III-E: mean colour in 1/64 grey level (rounded to nearest), so that all that follows is
-// integer arithmetic. 0..255*64 each.
+// integer arithmetic. 0..255*64 each. Where there is a mask the matte is a fourth component.
 struct MeanColor {
   std::int32_t y = 0;
   std::int32_t cb = 0;
   std::int32_t cr = 0;
+  std::int32_t matte = 0;
   bool operator==(const MeanColor&) const = default;
 };
 inline constexpr int kMeanColorScale = 64;
+
+// Sum of the differences of all components, 1/64 grey level.
+[[nodiscard]] inline std::int32_t L1Distance(const MeanColor& a, const MeanColor& b) {
+  return std::abs(a.y - b.y) + std::abs(a.cb - b.cb) + std::abs(a.cr - b.cr) + std::abs(a.matte - b.matte);
+}
 
 // Segments of one view and all that the energy needs of them (paper III-B, IV-C). Everything but `labels` follows from
 // `labels` and the picture (see DescribeSegments), so only these two are stored and sent.

@@ -32,6 +32,7 @@ struct Cluster {
   double luma = 0;
   double cb = 0;
   double cr = 0;
+  double matte = 0;
   double pixels = 0;
 
   void Add(int px, int py, const Ycbcr& color) {
@@ -40,9 +41,12 @@ struct Cluster {
     luma += color.y;
     cb += color.cb;
     cr += color.cr;
+    matte += color.matte;
     pixels += 1;
   }
-  [[nodiscard]] Cluster Mean() const { return {x / pixels, y / pixels, luma / pixels, cb / pixels, cr / pixels, 1}; }
+  [[nodiscard]] Cluster Mean() const {
+    return {x / pixels, y / pixels, luma / pixels, cb / pixels, cr / pixels, matte / pixels, 1};
+  }
 };
 
 // One segmentation in progress. The picture has a frame of labelled pixels around it, so that neighbours need no
@@ -105,7 +109,8 @@ class Growth {
         const double dl = pixel.color.y - mean.luma;
         const double db = pixel.color.cb - mean.cb;
         const double dr = pixel.color.cr - mean.cr;
-        const double distance = (dl * dl + db * db + dr * dr) + (dx * dx + dy * dy) * spatial_weight_;
+        const double dm = pixel.color.matte - mean.matte;
+        const double distance = (dl * dl + db * db + dr * dr + dm * dm) + (dx * dx + dy * dy) * spatial_weight_;
         // Where it already waits with no larger a distance it is served before this element, which would find it
         // labelled.
         if (distance < pixel.waiting) Wait(x, y, distance, label);

@@ -8,7 +8,8 @@ namespace {
 
 bool ChangedLessThan(const MeanColor& a, const MeanColor& b, int threshold) {
   const int bound = threshold * kMeanColorScale;
-  return std::abs(a.y - b.y) < bound && std::abs(a.cb - b.cb) < bound && std::abs(a.cr - b.cr) < bound;
+  return std::abs(a.y - b.y) < bound && std::abs(a.cb - b.cb) < bound && std::abs(a.cr - b.cr) < bound &&
+         std::abs(a.matte - b.matte) < bound;
 }
 
 }  // namespace

@@ -48,6 +48,10 @@ Sequence TestSequence() {
     camera.format = {PictureFormat::Kind::kYuv420, 10, true, true};
     camera.images = {"/data/" + std::to_string(i) + "/0.yuv", "/data/" + std::to_string(i) + "/1.yuv"};
     if (i == 1) camera.z_near = 1.5;
+    if (i == 1) camera.masks = {"", "/masks/1.png"};
+    if (i == 2) camera.prior = {"/prior/0.pfm", ""};
+    if (i == 2) camera.prior_confidence = {"/prior/c0.png", ""};
+    if (i == 2) camera.prior_format = {PriorFormat::Holds::kCodes, 0.001, 2, 9};
     if (i == 2) camera.z_far = 11;
     sequence.cameras.push_back(camera);
   }
@@ -102,6 +106,8 @@ JobConfig TestConfig() {
     view.format = {PictureFormat::Kind::kYuv400, 16, false, true};
     view.segments = 1000 + i;
     view.own_range = {2.25, 9.75};
+    view.prior = {PriorFormat::Holds::kDepth, 0.5 + i, 0, 0};
+    view.masked = i == 1;
     view.neighbours = {1 - i};
     view.compared = {1 - i};
     config.resolved.views.push_back(view);
@@ -124,6 +130,10 @@ TEST(SequenceWire, EveryFieldComesBack) {
     ExpectEqual(got->cameras[i].camera, sent.cameras[i].camera);
     EXPECT_EQ(got->cameras[i].format, sent.cameras[i].format);
     EXPECT_EQ(got->cameras[i].images, sent.cameras[i].images);
+    EXPECT_EQ(got->cameras[i].masks, sent.cameras[i].masks);
+    EXPECT_EQ(got->cameras[i].prior, sent.cameras[i].prior);
+    EXPECT_EQ(got->cameras[i].prior_confidence, sent.cameras[i].prior_confidence);
+    EXPECT_EQ(got->cameras[i].prior_format, sent.cameras[i].prior_format);
     EXPECT_EQ(got->cameras[i].z_near, sent.cameras[i].z_near);
     EXPECT_EQ(got->cameras[i].z_far, sent.cameras[i].z_far);
   }
@@ -156,6 +166,18 @@ TEST(SequenceWire, HostileValuesAreRefused) {
       {"7 bits", [](v1::Sequence& s) { s.mutable_cameras(0)->mutable_format()->set_bits(7); }},
       {"negative zNear", [](v1::Sequence& s) { s.set_z_near(-1); }},
       {"NaN zFar", [](v1::Sequence& s) { s.mutable_cameras(0)->set_z_far(kNaN); }},
+      {"one mask for two frames", [](v1::Sequence& s) { s.mutable_cameras(0)->add_masks("/m.png"); }},
+      {"relative mask", [](v1::Sequence& s) { s.mutable_cameras(1)->set_masks(1, "m.png"); }},
+      {"relative prior", [](v1::Sequence& s) { s.mutable_cameras(2)->set_prior(1, "p.pfm"); }},
+      {"three priors for two frames", [](v1::Sequence& s) { s.mutable_cameras(2)->add_prior("/p.pfm"); }},
+      {"relative confidence", [](v1::Sequence& s) { s.mutable_cameras(2)->set_prior_confidence(1, "c.png"); }},
+      {"unknown prior",
+       [](v1::Sequence& s) {
+         s.mutable_cameras(2)->mutable_prior_format()->set_content(static_cast<v1::PriorContent>(5));
+       }},
+      {"no unit", [](v1::Sequence& s) { s.mutable_cameras(2)->mutable_prior_format()->set_unit(0); }},
+      {"NaN unit", [](v1::Sequence& s) { s.mutable_cameras(2)->mutable_prior_format()->set_unit(kNaN); }},
+      {"empty range of codes", [](v1::Sequence& s) { s.mutable_cameras(2)->mutable_prior_format()->set_z_far(2); }},
       {"NaN rate", [](v1::Sequence& s) { s.set_frame_rate(kNaN); }},
       {"too many cameras",
        [](v1::Sequence& s) {
@@ -219,6 +241,8 @@ TEST(JobConfigWire, EveryFieldComesBack) {
     EXPECT_EQ(a.views[i].source_height, b.views[i].source_height);
     EXPECT_EQ(a.views[i].format, b.views[i].format);
     EXPECT_EQ(a.views[i].segments, b.views[i].segments);
+    EXPECT_EQ(a.views[i].prior, b.views[i].prior);
+    EXPECT_EQ(a.views[i].masked, b.views[i].masked);
     EXPECT_EQ(a.views[i].own_range.z_near, b.views[i].own_range.z_near);
     EXPECT_EQ(a.views[i].own_range.z_far, b.views[i].own_range.z_far);
     EXPECT_EQ(a.views[i].neighbours, b.views[i].neighbours);

@@ -60,7 +60,9 @@ TEST(TaskSpecWire, EveryFieldComesBack) {
   manifest.id = {JobId(3), 0, TaskKind::kManifest, 0, 0};
   manifest.files = CommitSpec().files;
   manifest.picture_digests = {Digest(8), Digest(9)};
-  for (const TaskSpec& sent : {MergeSpec(), CommitSpec(), RenderSpec(), analyse, manifest}) {
+  TaskSpec guided = analyse;
+  guided.guides = {"/masks/0.png", "/prior/0.pfm", "/prior/c0.png"};
+  for (const TaskSpec& sent : {MergeSpec(), CommitSpec(), RenderSpec(), analyse, guided, manifest}) {
     const Result<TaskSpec> got = FromProto(ToProto(sent));
     ASSERT_TRUE(got.ok()) << got.status().message();
     EXPECT_EQ(*got, sent);

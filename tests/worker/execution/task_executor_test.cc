@@ -385,8 +385,18 @@ TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {
   const SmallJob job;
   const JobView view = job.config.resolved.views[0];
   const EstimationParams params = job.config.resolved.params;
-  const ContentDigest digest = Sha256("picture");
-  std::vector<ArtifactKey> keys{AnalysisKey(view, params, digest), AnalysisKey(view, params, Sha256("other"))};
+  const AnalysisDigests digest{.picture = Sha256("picture"), .mask = {}, .prior = {}, .prior_confidence = {}};
+  std::vector<ArtifactKey> keys{AnalysisKey(view, params, digest)};
+  const auto with_digests = [&](const auto& change) {
+    AnalysisDigests other = digest;
+    change(other);
+    keys.push_back(AnalysisKey(view, params, other));
+  };
+  with_digests([](AnalysisDigests& d) { d.picture = Sha256("other"); });
+  with_digests([](AnalysisDigests& d) { d.mask = Sha256("mask"); });
+  with_digests([](AnalysisDigests& d) { d.prior = Sha256("mask"); });
+  with_digests([](AnalysisDigests& d) { d.prior = Sha256("prior"); });
+  with_digests([](AnalysisDigests& d) { d.prior = Sha256("prior"), d.prior_confidence = Sha256("sure"); });
   const auto with_view = [&](const auto& change) {
     JobView changed = view;
     change(changed);

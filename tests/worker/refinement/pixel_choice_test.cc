@@ -35,7 +35,7 @@ struct Edge {
 
   void Choose(const std::stop_token& stop = {}) {
     const std::vector<OtherView> others{views.Other()};
-    ChoosePlanes(views.own, segments, others, refined, stop);
+    ChoosePlanes(views.own, segments, others, nullptr, refined, stop);
   }
 };
 
@@ -69,7 +69,7 @@ TEST(ChoosePlanes, APlaneSpreadsAlongARodThatOtherSegmentsMissed) {
   }
   refined.plane_of_pixel = segments;
   const std::vector<OtherView> others{views.Other()};
-  ChoosePlanes(views.own, segments, others, refined);
+  ChoosePlanes(views.own, segments, others, nullptr, refined);
   for (int y = 0; y < TwoViews::kHeight; ++y) {
     for (int x = 15; x < 30; ++x) ASSERT_EQ(refined.At(x, y), on_rod(x, kLeft) ? kNear : kFar) << x << "," << y;
   }

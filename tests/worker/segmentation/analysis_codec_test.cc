@@ -9,6 +9,7 @@
 
 #include "common/compression/zstd_frame.h"
 #include "tests/worker/segmentation/test_pictures.h"
+#include "worker/segmentation/describe.h"
 #include "worker/segmentation/label_codec.h"
 
 namespace depthfarm {
@@ -24,7 +25,7 @@ std::string LittleEndian(std::uint32_t value) {
 
 // Bytes of a well-formed frame with a content of our choice.
 std::string WithContent(const std::string& content) {
-  std::string bytes = "DFVA" + LittleEndian(1);
+  std::string bytes = "DFVA" + LittleEndian(2);
   AppendZstdFrame(content, bytes);
   return bytes;
 }
@@ -32,6 +33,7 @@ std::string WithContent(const std::string& content) {
 std::string Content(std::uint32_t width, std::uint32_t height, std::uint32_t num_segments,
                     const Grid<SegmentIndex>& labels) {
   std::string content = LittleEndian(width) + LittleEndian(height) + LittleEndian(num_segments);
+  content.append(12, '\0');  // no matte, no prior
   content.append(3 * labels.size(), '\0');
   AppendLabels(labels, content);
   return content;
@@ -53,6 +55,45 @@ TEST_P(AnalysisCodecProperty, GivesTheSameBytesAgain) {
   const std::string bytes = EncodeAnalysis(analysis);
   EXPECT_EQ(EncodeAnalysis(analysis), bytes);
   EXPECT_EQ(EncodeAnalysis(DecodeAnalysis(bytes).value()), bytes);
+}
+
+// With a foreground mask and a prior of which little is known.
+ViewAnalysis GuidedAnalysis(bool with_confidence) {
+  ViewAnalysis analysis = SmallAnalysis();
+  Grid<float> values(24, 18);
+  Grid<float> confidence(with_confidence ? 24 : 0, with_confidence ? 18 : 0);
+  for (int y = 0; y < 18; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      if (x < 12) analysis.picture(x, y).matte = kForegroundMatte;
+      if (x > 4) values(x, y) = 0.01F * static_cast<float>(x) + 0.002F * static_cast<float>(y);
+      if (with_confidence) confidence(x, y) = static_cast<float>(y) / 17;
+    }
+  }
+  analysis.segments = DescribeSegments(analysis.segments.labels, analysis.picture);
+  analysis.prior = MakePrior(values, confidence);
+  analysis.prior.segments = DescribePrior(analysis.segments, analysis.prior);
+  return analysis;
+}
+
+TEST(AnalysisCodec, GivesBackMaskAndPrior) {
+  for (const bool with_confidence : {false, true}) {
+    const ViewAnalysis analysis = GuidedAnalysis(with_confidence);
+    const auto decoded = DecodeAnalysis(EncodeAnalysis(analysis));
+    ASSERT_TRUE(decoded.ok()) << decoded.status().message();
+    EXPECT_EQ(*decoded, analysis);
+  }
+}
+
+TEST(AnalysisCodec, RefusesHeadersThatNoAnalysisHas) {
+  const Grid<SegmentIndex> labels(2, 2, 0);
+  const auto with = [&](std::size_t at, std::uint32_t value) {
+    return DecodeAnalysis(WithContent(Content(2, 2, 1, labels).replace(at, 4, LittleEndian(value)))).status().code();
+  };
+  EXPECT_EQ(with(12, 8), ErrorCode::kCorrupt);           // unknown flag
+  EXPECT_EQ(with(12, 4), ErrorCode::kCorrupt);           // confidence of no prior
+  EXPECT_EQ(with(12, 2), ErrorCode::kCorrupt);           // a prior that is not there
+  EXPECT_EQ(with(16, 0x7FC00000), ErrorCode::kCorrupt);  // NaN
+  EXPECT_EQ(with(20, 0xBF800000), ErrorCode::kCorrupt);  // step -1
 }
 
 TEST(AnalysisCodec, TakesLessThanHalfOfThePlainBytesOfAScene) {
@@ -151,10 +192,10 @@ TEST(AnalysisCodec, RefusesSegmentsInTwoParts) {
 
 TEST(AnalysisCodec, TellsAnotherVersionFromDamage) {
   std::string bytes = EncodeAnalysis(SmallAnalysis());
-  bytes[4] = 2;
+  bytes[4] = 1;
   const Status status = DecodeAnalysis(bytes).status();
   EXPECT_EQ(status.code(), ErrorCode::kIncompatible);
-  EXPECT_EQ(status.message(), "view analysis: version is 2, expected 1");
+  EXPECT_EQ(status.message(), "view analysis: version is 1, expected 2");
 }
 
 }  // namespace

@@ -32,7 +32,9 @@ INSTANTIATE_TEST_SUITE_P(Pictures, DescribeProperty, testing::ValuesIn(PropertyP
                          [](const auto& param_info) { return std::string(param_info.param.name); });
 
 TEST_P(DescribeProperty, MeansAreTheNearest64thOfAGreyLevel) {
-  const auto [picture, segments] = Analyse();
+  const ViewAnalysis analysis = Analyse();
+  const YcbcrImage& picture = analysis.picture;
+  const SegmentMap& segments = analysis.segments;
   std::vector<double> luma(segments.means.size()), cb(luma), cr(luma), pixels(luma);
   for (std::size_t i = 0; i < picture.size(); ++i) {
     const SegmentIndex label = segments.labels.values()[i];
