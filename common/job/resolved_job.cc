@@ -13,8 +13,9 @@ namespace {
 
 constexpr int kPixelsPerSegment = 20;
 constexpr int kMaxAutoLevels = 250;
-constexpr double kLevelPixels = 0.5;        // refinement finds what lies between levels half a pixel apart,
-constexpr double kFinalLevelPixels = 0.25;  // which without it is lost
+constexpr double kLevelPixels = 1;          // refinement finds what lies between levels a pixel apart, unless
+constexpr double kFewestSteps = 24;         // there are so few that they can as well be finer,
+constexpr double kFinalLevelPixels = 0.25;  // as they must be without it
 constexpr long long kSmallProblem =
     2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
@@ -93,8 +94,9 @@ Result<int> AutoLevels(const ResolvedJob& job, const DepthLevels& planes) {
   }
   std::sort(nearest.begin(), nearest.end());
   const double median = nearest[nearest.size() / 2];
-  const double pixels = job.params.refine_rounds > 0 ? kLevelPixels : kFinalLevelPixels;
-  const double steps = std::ceil(std::max(median, widest / 2) / pixels);
+  const double pixels = std::max(median, widest / 2);
+  double steps = std::ceil(pixels / kFinalLevelPixels);
+  if (job.params.refine_rounds > 0) steps = std::min(steps, std::max(kFewestSteps, std::ceil(pixels / kLevelPixels)));
   return static_cast<int>(std::clamp(steps + 1, 2.0, static_cast<double>(kMaxAutoLevels)));
 }
 

@@ -53,8 +53,8 @@ struct ResolvedJob {
 //   reference  the sequence's, else the centre camera of the views;
 //   z range    the parameters', else the reference camera's own, else the sequence's;
 //   segments   one per 20 pixels of a view (paper III-B: "segments of size of 20 samples or less");
-//   levels     at most 250, such that one is about half a pixel at the median nearest neighbour and at most a pixel at
-//              the widest baseline used; without refinement half of that;
+//   levels     at most 250, such that one is about a pixel at the median nearest neighbour and at most two at the
+//              widest baseline used; without refinement, or with fewer than 25 levels, down to a quarter of that;
 //   n          1 for small problems, else up to 8 (I frames; side by side, with a part of the memory each) or 2 (P
 //              frames).
 // Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that

@@ -103,8 +103,7 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseAutoOrInteger("segments", text, params.segments);
      }},
-    {"levels", "auto|L",
-     "Depth levels, uniform in 1/z; auto: half a pixel apart, a quarter with --refine 0, at most 250",
+    {"levels", "auto|L", "Depth levels, uniform in 1/z; auto: a pixel apart, a quarter with --refine 0, at most 250",
      [](std::string_view text, EstimationParams& params) { return ParseAutoOrInteger("levels", text, params.levels); }},
     {"z-near", "Z", "Nearest depth of the reference camera, in the sequence's unit; default: the sequence's zNear",
      [](std::string_view text, EstimationParams& params) { return ParsePositive("z-near", text, params.z_near); }},

@@ -201,6 +201,10 @@ class Decision {
       candidate.cost += misfit.value_or(0);
       candidate.unseen += misfit ? 0 : 1;
     }
+    // Else the plane that moves most of the region out of sight would cost least.
+    const auto judged = static_cast<double>((pixels_.size() + Step() - 1) / Step());
+    const double seen = judged - static_cast<double>(candidate.unseen);
+    if (seen > 0) candidate.cost *= judged / seen;
     candidate.cost *= static_cast<double>(Step());
     candidate.unseen *= Step();
   }

@@ -52,20 +52,24 @@ TEST(ResolveJobSegments, AreAtLeastOneAndAtMostThePixels) {
   EXPECT_EQ(Resolved(LineSequence({0, 0.1}), params).views[0].segments, 5000);
 }
 
-TEST(ResolveJobLevels, AutoIsHalfAPixelAtTheNearestNeighbour) {
-  ASSERT_NEAR(DisparityOf(0.1), 11.9, 1e-9);
-  // 11.9 / 0.5 = 23.8 steps: 24, between 25 planes.
-  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2})).params.levels, 25);
-}
-
-TEST(ResolveJobLevels, AutoIsAPixelAtTheWidestBaselineUsed) {
+TEST(ResolveJobLevels, AutoIsAPixelAtTheNearestNeighbour) {
   ASSERT_NEAR(DisparityOf(0.4), 47.6, 1e-9);
-  // Nearest neighbours travel 11.9, 11.9 and 47.6 pixels: a median of 11.9 asks for 23.8 steps, the widest baseline for
-  // 47.6 / 1.
-  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.5})).params.levels, 49);
+  EXPECT_EQ(Resolved(LineSequence({0, 0.4})).params.levels, 49);  // 48 steps, between 49 planes
 }
 
-TEST(ResolveJobLevels, AutoIsTwiceAsFineWhereNothingIsRefined) {
+TEST(ResolveJobLevels, AutoIsTwoPixelsAtTheWidestBaselineUsed) {
+  // Nearest neighbours travel 11.9, 11.9 and 95.2 pixels: a median of 11.9 asks for 12 steps, the widest baseline for
+  // 95.2 / 2 = 47.6.
+  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.9})).params.levels, 49);
+}
+
+TEST(ResolveJobLevels, AutoIsFinerWhereThereWouldBeFew) {
+  ASSERT_NEAR(DisparityOf(0.1), 11.9, 1e-9);
+  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2})).params.levels, 25);  // 24 steps of half a pixel
+  EXPECT_EQ(Resolved(LineSequence({0, 0.02})).params.levels, 11);      // 2.38 / 0.25 = 9.5 steps, no finer
+}
+
+TEST(ResolveJobLevels, AutoIsAQuarterOfAPixelWhereNothingIsRefined) {
   EstimationParams params;
   params.refine_rounds = 0;
   EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2}), params).params.levels, 49);  // 11.9 / 0.25 = 47.6 steps
@@ -74,7 +78,9 @@ TEST(ResolveJobLevels, AutoIsTwiceAsFineWhereNothingIsRefined) {
 
 TEST(ResolveJobLevels, AutoIsAtLeastTwoAndAtMost250) {
   EXPECT_EQ(Resolved(LineSequence({0, 1e-7})).params.levels, 2);
-  EXPECT_EQ(Resolved(LineSequence({0, 1.2})).params.levels, 250);
+  EstimationParams params;
+  params.refine_rounds = 0;
+  EXPECT_EQ(Resolved(LineSequence({0, 1.2}), params).params.levels, 250);
 }
 
 TEST(ResolveJobLevels, OneAskedForIsKept) {
@@ -236,7 +242,7 @@ TEST(ResolveJobDownscale, ShrinksPicturesCamerasSegmentsAndLevels) {
     EXPECT_EQ(view.segments, 160 * 120 / 20);
   }
   EXPECT_EQ(job.reference.width, 160);
-  EXPECT_EQ(job.params.levels, 13);  // 5.95 / 0.5 = 11.9 steps
+  EXPECT_EQ(job.params.levels, 25);  // 5.95 / 0.25 = 23.8 steps
 }
 
 TEST(ResolveJobBlocks, SmallProblemsAreNotSplit) {

@@ -92,7 +92,7 @@ TEST(TaskExecutor, DepthAndConfidenceAreThoseOfTheAlgorithmVersion) {
       codes.push_back(static_cast<char>(code >> 8U));
     }
   }
-  EXPECT_EQ(kAlgorithmVersion, 5U);
+  EXPECT_EQ(kAlgorithmVersion, 6U);
   EXPECT_EQ(Hex(Sha256(codes)), kMaps);
 }
 
