@@ -97,7 +97,7 @@ Result<Grid<float>> DecodeShare(std::string_view bytes, int width, int height) {
 Status ApplyMask(std::string_view bytes, YcbcrImage& picture) {
   DEPTHFARM_ASSIGN_OR_RETURN(const Grid<float> share, DecodeShare(bytes, picture.width(), picture.height()));
   for (std::size_t i = 0; i < share.size(); ++i)
-    picture.values()[i].matte = static_cast<std::uint8_t>(share.values()[i] * kForegroundMatte + 0.5F);
+    picture.values()[i].matte = static_cast<std::uint8_t>(std::lround(share.values()[i] * kForegroundMatte));
   return {};
 }
 

@@ -9,6 +9,7 @@
   rates      Tables III, VIII   the same, coded as HEVC
   left_out   -                  views that were not used in the estimation, against other methods
   confidence -                  how well confidence tells right depth from wrong
+  guides     -                  what priors and masks are worth, and what wrong ones cost
   choices    -                  what the paper leaves open, one choice changed at a time
 
 --quick takes two minutes and checks that everything works; the full mode takes from ten minutes to hours an experiment.
@@ -23,6 +24,7 @@ from pathlib import Path
 import experiment_choices
 import experiment_confidence
 import experiment_gop
+import experiment_guides
 import experiment_left_out
 import experiment_methods
 import experiment_partition
@@ -44,6 +46,7 @@ EXPERIMENTS = {
     "rates": experiment_rates.run,
     "left_out": experiment_left_out.run,
     "confidence": experiment_confidence.run,
+    "guides": experiment_guides.run,
     "choices": experiment_choices.run,
 }
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import experiment_views
 import figures
+import guide_folders
 import measured
 import paired
 import paper
@@ -20,7 +21,7 @@ from scenes import of_size, scene_list, sized
 HERE = Path(__file__).parent
 BINARIES = ""
 PLOTTED = ["methods", "segments", "views", "partition", "gop", "rates", "confidence"]
-NAMES = [*PLOTTED, "left_out", "choices"]
+NAMES = [*PLOTTED, "left_out", "guides", "choices"]
 
 
 def experiment(*arguments: str) -> subprocess.CompletedProcess:
@@ -30,7 +31,7 @@ def experiment(*arguments: str) -> subprocess.CompletedProcess:
 
 class Examples(unittest.TestCase):
     def test_examples_of_the_modules(self) -> None:
-        for module in (paired, report, paper, measured, real_sets, experiment_views):
+        for module in (paired, report, paper, measured, real_sets, experiment_views, guide_folders):
             result = doctest.testmod(module)
             self.assertGreater(result.attempted, 0, module.__name__)
             self.assertEqual(result.failed, 0, module.__name__)

@@ -39,6 +39,12 @@ def bad(report: dict, field: str, zone: str = "non-occluded") -> float:
     return zones[zone][field] if zone in zones else math.nan
 
 
+def mean_error(report: dict, zone: str) -> float:
+    """Mean absolute error of a zone of all views, pixels of motion in the nearest view."""
+    zones = report.get("depthError", {}).get("allViews", {})
+    return zones[zone]["meanPx"] if zone in zones else math.nan
+
+
 def bad_visible(report: dict, field: str) -> float:
     """Share of wrong pixels among the non-occluded; where occlusions are not known, among all."""
     value = bad(report, field)

@@ -109,10 +109,11 @@ bool IsBetter(std::span<const Told> told, const Affine& affine) {
 template <typename Says>
 double GapBetween(const SegmentMap& segments, std::span<const SlantedPlane> planes, const SegmentMap::Adjacency& pair,
                   const Says& says) {
-  const auto [s, t] = pair;
-  if (!says(s) || !says(t)) return -1;
-  const auto gap_at = [&](const PixelPosition& p) { return std::abs(planes[s].At(p.x, p.y) - planes[t].At(p.x, p.y)); };
-  return 0.5 * (gap_at(segments.centers[s]) + gap_at(segments.centers[t]));
+  if (!says(pair.first) || !says(pair.second)) return -1;
+  const auto gap_at = [&](const PixelPosition& p) {
+    return std::abs(planes[pair.first].At(p.x, p.y) - planes[pair.second].At(p.x, p.y));
+  };
+  return 0.5 * (gap_at(segments.centers[pair.first]) + gap_at(segments.centers[pair.second]));
 }
 
 // Where a view or its prior, or both, jump: 1 for the segments beside.

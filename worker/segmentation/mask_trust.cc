@@ -1,7 +1,7 @@
 #include "worker/segmentation/mask_trust.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 
@@ -86,7 +86,7 @@ void WeighMask(YcbcrImage& picture) {
   const double contrast = ContrastAlongMask(picture);
   const double trust = std::clamp((contrast - kNoTrust) / (kFullTrust - kNoTrust), 0.0, 1.0);
   if (trust == 1) return;
-  for (Ycbcr& pixel : picture.values()) pixel.matte = static_cast<std::uint8_t>(pixel.matte * trust + 0.5);
+  for (Ycbcr& pixel : picture.values()) pixel.matte = static_cast<std::uint8_t>(std::lround(pixel.matte * trust));
 }
 
 }  // namespace depthfarm

@@ -88,7 +88,7 @@ ViewPrior MakePrior(const Grid<float>& values, const Grid<float>& confidence) {
   prior.confidence = Grid<std::uint8_t>(confidence.width(), confidence.height());
   for (std::size_t i = 0; i < confidence.size(); ++i) {
     const double share = confidence.values()[i];
-    prior.confidence.values()[i] = static_cast<std::uint8_t>(std::clamp(share, 0.0, 1.0) * 255 + 0.5);
+    prior.confidence.values()[i] = static_cast<std::uint8_t>(std::lround(std::clamp(share, 0.0, 1.0) * 255));
   }
   return prior;
 }
