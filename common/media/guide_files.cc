@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <string>
 
 #include "common/image/depth_code.h"
@@ -38,7 +39,10 @@ Result<Grid<T>> SampledAt(const Grid<T>& map, int width, int height) {
   return sampled;
 }
 
-float Known(double value) { return std::isfinite(value) && value > 0 ? static_cast<float>(value) : 0.0F; }
+// What no float can hold is no depth.
+float Known(double value) {
+  return value > 0 && value < std::numeric_limits<float>::max() ? static_cast<float>(value) : 0.0F;
+}
 
 float InverseDepthOf(double value, const PriorFormat& format) {
   if (!std::isfinite(value) || !(value > 0)) return 0;

@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
+#include <iterator>
+#include <optional>
 #include <span>
 
 #include "common/geometry/symmetric_solve.h"
@@ -12,6 +13,8 @@
 namespace depthfarm {
 namespace {
 
+constexpr float kMostValue = 1e18F;      // beyond it is no depth, and its square no float
+constexpr std::size_t kOutliers = 1000;  // one value of so many may be anything at either end
 constexpr int kRounds = 4;
 constexpr double kSpreads = 2;         // median deviations that count half
 constexpr double kLeastSpread = 1e-4;  // of the value: less is rounding
@@ -23,6 +26,36 @@ struct Sample {
   double value = 0;
   double weight = 1;
 };
+
+struct Range {
+  float lowest = 0;
+  float highest = 0;
+};
+
+// Of the values that are known, without the few that are far from all others: a pixel at almost no depth would leave
+// the rest one code. nullopt: none is known.
+std::optional<Range> PlausibleRange(const Grid<float>& values) {
+  std::vector<float> known;
+  std::copy_if(values.values().begin(), values.values().end(), std::back_inserter(known),
+               [](float value) { return value > 0 && value < kMostValue; });
+  if (known.empty()) return std::nullopt;
+  const auto at = [&](std::size_t rank) {
+    const auto element = known.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(known.begin(), element, known.end());
+    return *element;
+  };
+  const std::size_t few = known.size() / kOutliers;
+  const float low = at(few);
+  const float high = at(known.size() - 1 - few);
+  const float margin = high - low;
+  Range range{.lowest = high, .highest = low};
+  for (const float value : known) {
+    if (value < low - margin || value > high + margin) continue;
+    range.lowest = std::min(range.lowest, value);
+    range.highest = std::max(range.highest, value);
+  }
+  return range;
+}
 
 double Median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -67,20 +100,14 @@ ViewPrior MakePrior(const Grid<float>& values, const Grid<float>& confidence) {
   constexpr double kSteps = 65534;
   ViewPrior prior;
   prior.codes = Grid<std::uint16_t>(values.width(), values.height());
-  float lowest = std::numeric_limits<float>::infinity();
-  float highest = 0;
-  for (const float value : values.values()) {
-    if (!(value > 0)) continue;
-    lowest = std::min(lowest, value);
-    highest = std::max(highest, value);
-  }
-  if (highest > 0) {
-    prior.lowest = lowest;
-    prior.step = static_cast<float>((static_cast<double>(highest) - lowest) / kSteps);
+  const std::optional<Range> range = PlausibleRange(values);
+  if (range) {
+    prior.lowest = range->lowest;
+    prior.step = static_cast<float>((static_cast<double>(range->highest) - range->lowest) / kSteps);
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double value = values.values()[i];
-      if (!(value > 0)) continue;
-      const double steps = prior.step > 0 ? (value - lowest) / prior.step + 0.5 : 0;
+      if (!(value >= range->lowest && value <= range->highest)) continue;
+      const double steps = prior.step > 0 ? (value - prior.lowest) / prior.step + 0.5 : 0;
       prior.codes.values()[i] = static_cast<std::uint16_t>(1 + std::clamp(std::floor(steps), 0.0, kSteps));
     }
   }

@@ -38,7 +38,8 @@ struct ViewPrior {
   bool operator==(const ViewPrior&) const = default;
 };
 
-// From values (W x H, > 0; 0 = unknown) and their confidence (0..1; empty: all certain). No `segments` yet.
+// From values (W x H, > 0; 0 = unknown) and their confidence (0..1; empty: all certain). No `segments` yet. Of more than a
+// thousand, a few values that are far from all others count as unknown.
 [[nodiscard]] ViewPrior MakePrior(const Grid<float>& values, const Grid<float>& confidence);
 
 // A robust plane through the values of each segment's pixels: pixels of another surface, at the segment's rim or by an

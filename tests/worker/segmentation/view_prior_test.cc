@@ -43,6 +43,18 @@ TEST(MakePrior, KeepsValuesToHalfAStepAndWhatIsUnknown) {
   }
 }
 
+TEST(MakePrior, AFewWildValuesDoNotTakeTheCodesOfAllOthers) {
+  Grid<float> values(100, 100);
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 100; ++x) values(x, y) = static_cast<float>(PlaneAt(x, y));
+  values(3, 4) = 1e6F;
+  values(7, 8) = 1e30F;
+  const ViewPrior prior = MakePrior(values, {});
+  EXPECT_FALSE(prior.At(3, 4).has_value());
+  EXPECT_FALSE(prior.At(7, 8).has_value());
+  EXPECT_NEAR(prior.At(50, 50).value(), values(50, 50), 1e-5);
+}
+
 TEST(MakePrior, OfOneValueOrNone) {
   EXPECT_EQ(MakePrior(Grid<float>(4, 4, 0.25F), {}).At(2, 2), 0.25);
   EXPECT_FALSE(MakePrior(Grid<float>(4, 4), {}).At(2, 2).has_value());
