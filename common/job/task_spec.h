@@ -66,7 +66,6 @@ struct GuideFiles {
   std::string mask;
   std::string prior;
   std::string prior_confidence;
-  [[nodiscard]] bool none() const { return mask.empty() && prior.empty(); }
   bool operator==(const GuideFiles&) const = default;
 };
 

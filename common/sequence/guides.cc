@@ -159,7 +159,11 @@ Status AddMasks(const std::string& directory, Sequence& sequence) {
     camera.masks.assign(camera.images.size(), "");
     for (std::size_t frame = 0; frame < camera.images.size(); ++frame)
       camera.masks[frame] = IfThere(folder / camera.camera.name / (FrameName(static_cast<int>(frame)) + ".png"));
-    any = any || AnyFile(camera.masks);
+    if (AnyFile(camera.masks)) {
+      any = true;
+    } else {
+      camera.masks.clear();
+    }
   }
   if (any) return {};
   return InvalidArgument("mask folder " + folder.string() + " has no mask of any camera of the sequence (" +

@@ -8,7 +8,7 @@
 
 namespace depthfarm {
 
-// Masks, supplied depth and ground truth stay with the submitter: estimation does not use them.
+// Supplied depth and ground truth stay with the submitter: estimation does not use them.
 [[nodiscard]] v1::Camera ToProto(const Camera& camera);
 [[nodiscard]] v1::PictureFormat ToProto(const PictureFormat& format);
 [[nodiscard]] v1::PriorFormat ToProto(const PriorFormat& format);

@@ -40,6 +40,17 @@ std::string BlocksText(const ResolvedJob& job) {
   return text;
 }
 
+// Which views are guided: a name that fits no camera shows here.
+std::string GuidesText(const ResolvedJob& job) {
+  const auto priors = std::ranges::count_if(
+      job.views, [](const JobView& view) { return view.prior.holds != PriorFormat::Holds::kNothing; });
+  const auto masks = std::ranges::count_if(job.views, &JobView::masked);
+  std::string text;
+  if (priors > 0) text += ", prior depth of " + std::to_string(priors);
+  if (masks > 0) text += ", masks of " + std::to_string(masks);
+  return text;
+}
+
 }  // namespace
 
 Status CheckPictures(const Sequence& sequence, const ResolvedJob& job) {
@@ -86,7 +97,8 @@ std::string DescribeJob(const ResolvedJob& job) {
   const int first_frame = job.params.first_frame;
   return std::to_string(job.num_views()) + " views " + (same_size ? SizeOf(first) : "of different sizes") + ", " +
          WithThousands(segments) + " segments, " + std::to_string(job.params.levels) + " levels, " + BlocksText(job) +
-         ", frames " + std::to_string(first_frame) + " to " + std::to_string(first_frame + job.num_frames - 1);
+         ", frames " + std::to_string(first_frame) + " to " + std::to_string(first_frame + job.num_frames - 1) +
+         GuidesText(job);
 }
 
 Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {

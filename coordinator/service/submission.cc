@@ -27,22 +27,23 @@ Result<std::string> OutputFolder(const std::string& asked) {
 // Pictures and guides of the job's views and frames.
 void ListFiles(const Sequence& sequence, PlannedJob& job) {
   const ResolvedJob& resolved = job.config.resolved;
-  bool guided = false;
+  const bool guided = std::any_of(resolved.views.begin(), resolved.views.end(), [](const JobView& view) {
+    return view.masked || view.prior.holds != PriorFormat::Holds::kNothing;
+  });
   for (const JobView& view : resolved.views) {
     const auto camera =
         std::find_if(sequence.cameras.begin(), sequence.cameras.end(),
                      [&](const SequenceCamera& candidate) { return candidate.camera.name == view.camera.name; });
     const auto first = camera->images.begin() + resolved.params.first_frame;
     job.pictures.emplace_back(first, first + resolved.num_frames);
+    if (!guided) continue;
     std::vector<GuideFiles>& guides = job.guides.emplace_back();
     for (int frame = 0; frame < resolved.num_frames; ++frame) {
       const auto f = static_cast<std::size_t>(resolved.params.first_frame + frame);
       const auto of_frame = [f](const std::vector<std::string>& paths) { return f < paths.size() ? paths[f] : ""; };
       guides.push_back({of_frame(camera->masks), of_frame(camera->prior), of_frame(camera->prior_confidence)});
-      guided = guided || !guides.back().none();
     }
   }
-  if (!guided) job.guides.clear();
 }
 
 std::string WithThousands(std::int64_t number) {

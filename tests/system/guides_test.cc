@@ -45,9 +45,9 @@ class GuidedRuns : public testing::Test {
 
 TEST_F(GuidedRuns, APriorChangesDepthAndGivesTheSameBytesOnAnyNumberOfWorkers) {
   const std::string prior = ExactPrior();
-  for (const auto& [output, options] : {std::pair{"without", Words{"--workers", "2"}},
-                                        std::pair{"one", Words{"--workers", "1", "--prior", prior}},
-                                        std::pair{"two", Words{"--workers", "2", "--prior", prior}}}) {
+  for (const auto& [output, options] :
+       {std::pair{"without", Words{"--workers", "2"}}, std::pair{"one", Words{"--workers", "1", "--prior", prior}},
+        std::pair{"two", Words{"--workers", "2", "--prior", prior}}}) {
     const Outcome run = Run(output, options);
     ASSERT_EQ(run.exit_code, 0) << run.output;
   }

@@ -12,8 +12,8 @@
 
 namespace depthfarm {
 
-// How alike two colours are, 1 to 0. About exp(-d / 10) of the summed difference d of Y, Cb, Cr, without the library's
-// exp, whose last bits differ between machines: (1 + d / 40)^-4.
+// How alike two colours are, 1 to 0. About exp(-d / 10) of the summed difference d of all components, without the
+// library's exp, whose last bits differ between machines: (1 + d / 40)^-4.
 [[nodiscard]] double ColourWeight(const Colour& a, const Colour& b);
 
 // How well planes fit the other views around a pixel. Patches overlap, so the misfits of a plane are kept from pixel to

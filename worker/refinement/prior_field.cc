@@ -1,7 +1,6 @@
 #include "worker/refinement/prior_field.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 

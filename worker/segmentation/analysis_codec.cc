@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -108,8 +107,9 @@ Result<Header> ReadHeader(std::string_view bytes) {
   constexpr std::uint32_t kAll = kHasMatte | kHasPrior | kHasConfidence;
   if ((header.flags & ~kAll) != 0 || (header.Has(kHasConfidence) && !header.Has(kHasPrior)))
     return Corrupt("flags are " + std::to_string(header.flags) + ", expected some of 1, 2 and, with 2, 4");
-  if (!(std::isfinite(header.lowest) && std::isfinite(header.step) && header.step >= 0))
-    return Corrupt("the prior's lowest value or step is no number, or the step negative");
+  if (!(header.lowest >= 0 && header.lowest <= kMostPriorValue && header.step >= 0 &&
+        header.step <= kMostPriorValue / 65534))
+    return Corrupt("the prior's values are out of range");
   return header;
 }
 

@@ -13,7 +13,6 @@
 namespace depthfarm {
 namespace {
 
-constexpr float kMostValue = 1e18F;      // beyond it is no depth, and its square no float
 constexpr std::size_t kOutliers = 1000;  // one value of so many may be anything at either end
 constexpr int kRounds = 4;
 constexpr double kSpreads = 2;         // median deviations that count half
@@ -37,7 +36,7 @@ struct Range {
 std::optional<Range> PlausibleRange(const Grid<float>& values) {
   std::vector<float> known;
   std::copy_if(values.values().begin(), values.values().end(), std::back_inserter(known),
-               [](float value) { return value > 0 && value < kMostValue; });
+               [](float value) { return value > 0 && value < kMostPriorValue; });
   if (known.empty()) return std::nullopt;
   const auto at = [&](std::size_t rank) {
     const auto element = known.begin() + static_cast<std::ptrdiff_t>(rank);

@@ -20,9 +20,11 @@ struct SegmentPrior {
   bool operator==(const SegmentPrior&) const = default;
 };
 
+inline constexpr float kMostPriorValue = 1e18F;  // beyond it is no depth, and its square no float
+
 // A prior of a view in one frame: pixel by pixel in 16 bits, and what follows from that for each segment.
 struct ViewPrior {
-  float lowest = 0;               // of the values
+  float lowest = 0;               // of the values; less than kMostPriorValue, and so is the highest
   float step = 0;                 // between codes
   Grid<std::uint16_t> codes;      // W x H; 0: not known, else value = lowest + (code - 1) * step
   Grid<std::uint8_t> confidence;  // W x H, 255 is certain; empty: all are
@@ -38,8 +40,8 @@ struct ViewPrior {
   bool operator==(const ViewPrior&) const = default;
 };
 
-// From values (W x H, > 0; 0 = unknown) and their confidence (0..1; empty: all certain). No `segments` yet. Of more than a
-// thousand, a few values that are far from all others count as unknown.
+// From values (W x H, > 0; 0 = unknown) and their confidence (0..1; empty: all certain). No `segments` yet. Of more
+// than a thousand, a few values that are far from all others count as unknown.
 [[nodiscard]] ViewPrior MakePrior(const Grid<float>& values, const Grid<float>& confidence);
 
 // A robust plane through the values of each segment's pixels: pixels of another surface, at the segment's rim or by an

@@ -27,6 +27,24 @@ TEST(Submission, PicturesAreThoseOfTheJobsFramesAndViews) {
   EXPECT_EQ(job->config.job, JobId(5));
 }
 
+TEST(Submission, GuidesAreThoseOfTheJobsFramesAndViews) {
+  v1::Envelope request = SubmitRequest(3, "/out");
+  EXPECT_TRUE(Plan(request)->guides.empty());
+  request.mutable_submit_job()->mutable_params()->set_first_frame(1);
+  v1::SequenceCamera& camera = *request.mutable_submit_job()->mutable_sequence()->mutable_cameras(1);
+  for (const char* mask : {"", "/m/1.png", ""}) camera.add_masks(mask);
+  for (const char* prior : {"/p/0.pfm", "", "/p/2.pfm"}) camera.add_prior(prior);
+  camera.mutable_prior_format()->set_content(v1::PRIOR_CONTENT_DEPTH);
+  camera.mutable_prior_format()->set_unit(1);
+  const Result<PlannedJob> job = Plan(request);
+  ASSERT_TRUE(job.ok()) << job.status().message();
+  ASSERT_EQ(job->guides.size(), job->pictures.size());
+  EXPECT_EQ(job->guides[0], (std::vector<GuideFiles>{{}, {}}));
+  EXPECT_EQ(job->guides[1], (std::vector<GuideFiles>{{"/m/1.png", "", ""}, {"", "/p/2.pfm", ""}}));
+  EXPECT_EQ(job->config.resolved.views[1].prior.holds, PriorFormat::Holds::kDepth);
+  EXPECT_TRUE(job->config.resolved.views[1].masked);
+}
+
 v1::SubmitJob RenderRequest(int views) {
   v1::SubmitJob request;
   request.set_output_dir("/out");

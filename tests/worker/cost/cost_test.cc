@@ -34,6 +34,18 @@ TEST(Smoothness, IsInitialSmoothingOverTheColourDistance) {  // eq. (3), L = 250
   EXPECT_EQ(SmoothnessCost(4.0, 250).Beta(Grey(10), Grey(14)), 1152);
 }
 
+TEST(Smoothness, AMaskIsAComponentOfItsOwn) {
+  MeanColor masked = Grey(10);
+  masked.matte = 4 * kMeanColorScale;
+  EXPECT_EQ(SmoothnessCost(1.0, 250).Beta(Grey(10), masked), 1152 / 4);
+}
+
+TEST(Matching, MasksAreNotComparedBetweenViews) {
+  YcbcrImage masked = Ramp(64, 48);
+  for (Ycbcr& pixel : masked.values()) pixel.matte = kForegroundMatte;
+  EXPECT_EQ(WindowColorDifference(Ramp(64, 48), masked, {20, 20}, {20, 20}, 3).sum, 0);
+}
+
 TEST(Smoothness, FloorsTheDistanceAtOneGreyLevel) {
   const SmoothnessCost cost(1.0, 250);
   EXPECT_EQ(cost.Beta(Grey(10), Grey(10)), 1152);

@@ -11,10 +11,13 @@
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
 #include "common/media/depth_file.h"
+#include "common/media/grey_picture.h"
+#include "common/media/pfm.h"
 #include "common/sequence/depth_manifest.h"
 #include "tests/worker/execution/small_job.h"
 #include "worker/estimation/label_field_codec.h"
 #include "worker/execution/analysis_key.h"
+#include "worker/segmentation/analysis_codec.h"
 
 namespace depthfarm {
 namespace {
@@ -70,7 +73,7 @@ TEST(TaskExecutor, RunsAWholeJob) {
   EXPECT_FALSE(fs::exists(job.output() / ".depthfarm-job"));
 }
 
-// Refined depth and confidence of version 5, as this code made them first (g++ 12, x86-64): who changes them raises
+// Refined depth and confidence since version 5, as this code made them first (g++ 12, x86-64): who changes them raises
 // kAlgorithmVersion, and then this digest.
 TEST(TaskExecutor, DepthAndConfidenceAreThoseOfTheAlgorithmVersion) {
   constexpr const char* kPictures = "99da935a5c3dd127c7c33557f769a46cab0565262167c3a32cff805c26e8883a";
@@ -379,6 +382,45 @@ TEST(TaskExecutor, MeasuresWhatATaskCost) {
   EXPECT_GT(stats.sweeps, 0);
   EXPECT_GT(stats.segments, 0);
   EXPECT_EQ(stats.nodes, stats.segments);  // an I frame adopts nothing
+}
+
+// What an analysis of the first picture holds, and its name.
+std::pair<ViewAnalysis, ArtifactKey> AnalysisOf(const TaskSpec& spec, const JobConfig& config) {
+  TestWorker worker;
+  const TaskOutcome outcome = worker.Execute(spec, config);
+  EXPECT_TRUE(outcome.status.ok()) << outcome.status.message();
+  if (!outcome.artifact) return {};
+  return {DecodeAnalysis(worker.store->Get(outcome.artifact->key).value()).value(), *outcome.output_key};
+}
+
+TEST(TaskExecutor, AnAnalysisHasTheMaskAndThePriorOfItsView) {
+  SmallJob job;
+  const testing_support::TemporaryFolder folder;
+  const auto [plain, plain_key] = AnalysisOf(job.Analyse(0, 0), job.config);
+  const int width = plain.picture.width();
+  const int height = plain.picture.height();
+  EXPECT_TRUE(plain.prior.empty());
+
+  TaskSpec spec = job.Analyse(0, 0);
+  const auto bright = [](const Ycbcr& pixel) { return pixel.y > 128; };  // a mask that follows the picture
+  Grid<std::uint8_t> mask(width, height);
+  for (std::size_t i = 0; i < mask.size(); ++i) mask.values()[i] = bright(plain.picture.values()[i]) ? 255 : 0;
+  spec.guides.mask = folder.Write("m.png", EncodeGreyPng(mask).value());
+  const auto [masked, masked_key] = AnalysisOf(spec, job.config);
+  EXPECT_NE(masked_key, plain_key);
+  EXPECT_NE(masked.segments.labels, plain.segments.labels);
+
+  spec.guides = {
+      .mask = "",
+      .prior = folder.Write("p.pfm", EncodePfm(Grid<float>(width, height, 4))),
+      .prior_confidence = folder.Write("c.png", EncodeGreyPng(Grid<std::uint8_t>(width, height, 51)).value())};
+  job.config.resolved.views[0].prior = {PriorFormat::Holds::kDepth, 0.5, 0, 0};
+  const auto [guided, guided_key] = AnalysisOf(spec, job.config);
+  EXPECT_NE(guided_key, plain_key);
+  EXPECT_EQ(guided.segments, plain.segments);
+  ASSERT_EQ(guided.prior.segments.size(), guided.segments.centers.size());
+  EXPECT_EQ(guided.prior.At(3, 4), 0.5);  // 4 of half a unit of length
+  EXPECT_FLOAT_EQ(guided.prior.segments[0].weight, 0.2F);
 }
 
 TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {

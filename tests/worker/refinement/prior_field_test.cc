@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kBoard = PlainScene::kWall;  // of the plain scene
 constexpr double kBent = 0.3;                 // by how much a bend in the prior is off at most
-constexpr double kGuess = 9;     // what the view has of the board, which no texture tells
-constexpr double kPerPixel = 8;  // of u in the unit of the prior, so that PriorScale matters
+constexpr double kGuess = 9;                  // what the view has of the board, which no texture tells
+constexpr double kPerPixel = 8;               // of u in the unit of the prior, so that PriorScale matters
 
 // A prior of the plain scene with its board: right but for what `error(x, y)` adds, in pixels of u.
 template <typename Error>

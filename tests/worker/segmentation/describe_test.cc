@@ -95,8 +95,9 @@ TEST_P(DescribeProperty, AdjacencyIsTheSortedSetOfPairsThatShareAPixelEdge) {
 TEST(DescribeSegments, RoundsHalvesOfA64thUp) {
   YcbcrImage picture(128, 1, Ycbcr{10, 20, 30});
   picture(0, 0) = {11, 20, 29};  // means 10 + 1/128 and 30 - 1/128: half a 64th above and below
+  for (int x = 0; x < 32; ++x) picture(x, 0).matte = kForegroundMatte;
   const SegmentMap map = DescribeSegments(Grid<SegmentIndex>(128, 1, 0), picture);
-  EXPECT_EQ(map.means.front(), (MeanColor{.y = 641, .cb = 1280, .cr = 1920}));
+  EXPECT_EQ(map.means.front(), (MeanColor{.y = 641, .cb = 1280, .cr = 1920, .matte = 640}));
 }
 
 TEST(DescribeSegments, CenterLiesInsideARing) {

@@ -121,6 +121,19 @@ TEST(Snic, SegmentsRespectTheBordersOfATwoColorPicture) {
   }
 }
 
+// Where colours tell nothing a mask's contours do: they are straight here, between the columns of seeds.
+TEST(Snic, SegmentsRespectTheContoursOfAMask) {
+  YcbcrImage picture = ConstantPicture(60, 40);
+  constexpr int kContour = 33;
+  for (int y = 0; y < 40; ++y)
+    for (int x = kContour; x < 60; ++x) picture(x, y).matte = kForegroundMatte;
+  const Grid<SegmentIndex> labels = SegmentSnic(picture, 24, kCompactness).value();
+  std::vector<int> sides(24, 0);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 60; ++x) sides[labels(x, y)] |= x < kContour ? 1 : 2;
+  for (const int side : sides) EXPECT_NE(side, 3) << "a segment is on both sides";
+}
+
 TEST(Snic, CutsAConstantPictureIntoCompactSegments) {
   const Grid<SegmentIndex> labels = SegmentSnic(ConstantPicture(60, 40), 24, kCompactness).value();
   const SegmentMap map = DescribeSegments(labels, ConstantPicture(60, 40));
