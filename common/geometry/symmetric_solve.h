@@ -6,23 +6,52 @@
 
 namespace depthfarm {
 
-// Solves H p = r for a symmetric positive definite H (aa ab ac bb bc cc) by its Cholesky factor: plain operations in a
-// stated order, so the same bits everywhere. false, and p as it was, where H is not definite.
+// Cholesky factor L of a symmetric positive definite H (aa ab ac bb bc cc): plain operations in a stated order, so the
+// same bits everywhere.
+class SymmetricFactor {
+ public:
+  SymmetricFactor() = default;  // of nothing
+  explicit SymmetricFactor(const std::array<double, 6>& h)
+      : inverse00_(1 / std::sqrt(h[0])),
+        l10_(h[1] * inverse00_),
+        l20_(h[2] * inverse00_),
+        inverse11_(1 / std::sqrt(h[3] - l10_ * l10_)),
+        l21_((h[4] - l20_ * l10_) * inverse11_),
+        inverse22_(1 / std::sqrt(h[5] - l20_ * l20_ - l21_ * l21_)) {}
+
+  // Whether H is definite, so that Solve means something.
+  [[nodiscard]] bool definite() const { return Usable(inverse00_) && Usable(inverse11_) && Usable(inverse22_); }
+
+  // p of H p = r.
+  [[nodiscard]] std::array<double, 3> Solve(const std::array<double, 3>& r) const {
+    const double y0 = r[0] * inverse00_;
+    const double y1 = (r[1] - l10_ * y0) * inverse11_;
+    const double y2 = (r[2] - l20_ * y0 - l21_ * y1) * inverse22_;
+    std::array<double, 3> p{};
+    p[2] = y2 * inverse22_;
+    p[1] = (y1 - l21_ * p[2]) * inverse11_;
+    p[0] = (y0 - l10_ * p[1] - l20_ * p[2]) * inverse00_;
+    return p;
+  }
+
+ private:
+  // Of an element of the diagonal; not so for a NaN, the root of a negative number.
+  [[nodiscard]] static bool Usable(double inverse) { return inverse > 0 && inverse < 1e9; }
+
+  double inverse00_ = 0;  // of the diagonal of L
+  double l10_ = 0;
+  double l20_ = 0;
+  double inverse11_ = 0;
+  double l21_ = 0;
+  double inverse22_ = 0;
+};
+
+// Solves H p = r once. false, and p as it was, where H is not definite.
 [[nodiscard]] inline bool SolveSymmetric(const std::array<double, 6>& h, const std::array<double, 3>& r,
                                          std::array<double, 3>& p) {
-  const double l00 = std::sqrt(h[0]);
-  const double l10 = h[1] / l00;
-  const double l20 = h[2] / l00;
-  const double l11 = std::sqrt(h[3] - l10 * l10);
-  const double l21 = (h[4] - l20 * l10) / l11;
-  const double l22 = std::sqrt(h[5] - l20 * l20 - l21 * l21);
-  if (!(l00 > 1e-9 && l11 > 1e-9 && l22 > 1e-9)) return false;
-  const double y0 = r[0] / l00;
-  const double y1 = (r[1] - l10 * y0) / l11;
-  const double y2 = (r[2] - l20 * y0 - l21 * y1) / l22;
-  p[2] = y2 / l22;
-  p[1] = (y1 - l21 * p[2]) / l11;
-  p[0] = (y0 - l10 * p[1] - l20 * p[2]) / l00;
+  const SymmetricFactor factor(h);
+  if (!factor.definite()) return false;
+  p = factor.Solve(r);
   return true;
 }
 

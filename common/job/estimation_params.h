@@ -10,7 +10,7 @@
 namespace depthfarm {
 
 // Any change that can change a depth map raises this number: jobs pin it, artifacts are named by it.
-inline constexpr std::uint32_t kAlgorithmVersion = 6;
+inline constexpr std::uint32_t kAlgorithmVersion = 7;
 
 // How depth levels are spread over the n tasks of a frame (paper IV-A, Fig. 2).
 enum class Partition {
@@ -20,7 +20,7 @@ enum class Partition {
 
 // What a user may set for a job; the defaults are the paper's numbers where the paper gives one. 0 = choose ("auto").
 struct EstimationParams {
-  int segments = 0;   // per view; 0: one per 20 pixels (the paper's 100,000 at HD)
+  int segments = 0;   // per view; 0: one per 20 pixels, less of large refined views (ResolveJob)
   int levels = 0;     // L; 0: at most 250, see ResolveJob
   double z_near = 0;  // of the reference camera, the sequence's unit; 0: from the sequence
   double z_far = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace depthfarm {
 namespace {
@@ -12,9 +13,14 @@ constexpr double kMisfitFloor = 0.03;    // of rho: differences below tell nothi
 constexpr double kAgreement = 50;        // weight of another view's depth
 constexpr double kAgreementScale = 0.5;  // pixels of u
 
-bool Inside(const ColourGrid& grid, double x, double y) {
-  return x >= 0 && y >= 0 && x <= grid.width() - 1 && y <= grid.height() - 1;
-}
+// One pixel of each `row_step` x `column_step` speaks, for all of them: what the others would add is not worth its
+// time.
+struct Sampling {
+  int row_step = 1;
+  int column_step = 1;
+};
+constexpr Sampling kSmoothed{2, 2};
+constexpr Sampling kSharp{1, 2};  // as on a chessboard
 
 // One segment against one other view.
 struct Fit {
@@ -23,56 +29,79 @@ struct Fit {
   NormalEquations equations;
 };
 
-// Adds the pixel (px, py) from the segment's centre.
-void AddPixel(const OtherView& other, const Seen& seen, const Colour& own, double px, double py, double base,
-              Fit& fit) {
-  const double motion = std::sqrt(seen.dx * seen.dx + seen.dy * seen.dy);
-  if (!(motion > 1e-9)) return;
-  const double nx = 0.5 * seen.dx / motion;
-  const double ny = 0.5 * seen.dy / motion;
-  if (!Inside(*other.colour, seen.x - nx, seen.y - ny) || !Inside(*other.colour, seen.x + nx, seen.y + ny)) return;
-  const Colour there = SampleAt(*other.colour, seen.x, seen.y);
-  const Colour after = SampleAt(*other.colour, seen.x + nx, seen.y + ny);
-  const Colour before = SampleAt(*other.colour, seen.x - nx, seen.y - ny);
+// What the misfit of one pixel says of its u: weight g (g du + r), summed over the components.
+struct PixelFit {
+  double rho = 0;
+  double gg = 0;
+  double gr = 0;
+};
+
+bool Inside(const ColourGrid& grid, double x, double y) {
+  return x >= 0 && y >= 0 && x <= grid.width() - 1 && y <= grid.height() - 1;
+}
+
+// nullopt where the colour half a pixel before or behind in the direction of motion is not seen, or nothing moves.
+std::optional<PixelFit> FitOfPixel(const OtherView& other, const Seen& seen, const Colour& own, double inverse_scale,
+                                   double base) {
+  const double squared = seen.dx * seen.dx + seen.dy * seen.dy;
+  if (!(squared > 1e-18)) return std::nullopt;
+  const double motion = std::sqrt(squared);
+  const double half = 0.5 / motion;
+  const double nx = half * seen.dx;
+  const double ny = half * seen.dy;
+  const ColourGrid& grid = *other.colour;
+  if (!Inside(grid, seen.x - nx, seen.y - ny) || !Inside(grid, seen.x + nx, seen.y + ny)) return std::nullopt;
+  const Colour there = SampleAt(grid, seen.x, seen.y);
+  const Colour after = SampleAt(grid, seen.x + nx, seen.y + ny);
+  const Colour before = SampleAt(grid, seen.x - nx, seen.y - ny);
   double gg = 0;
   double gr = 0;
   double rr = 0;
   for (int i = 0; i < 3; ++i) {
-    const double g = motion * (after[i] - before[i]);
+    const double g = after[i] - before[i];
     const double r = there[i] - own[i];
     gg += g * g;
     gr += g * r;
     rr += r * r;
   }
-  const double t = rr / (kKappa * kKappa * other.sigma * other.sigma);
-  const double weight = base / ((1 + t) * (1 + t));
-  fit.rho += t / (1 + t);
+  const double t = rr * inverse_scale;
+  const double robust = 1 / (1 + t);
+  const double weight = base * robust * robust;
+  return PixelFit{.rho = t * robust, .gg = weight * squared * gg, .gr = weight * motion * gr};
+}
+
+// Adds the pixel (px, py) from the segment's centre.
+void AddPixel(const PixelFit& pixel, double px, double py, Fit& fit) {
+  fit.rho += pixel.rho;
   ++fit.pixels;
   auto& [h, rhs] = fit.equations;
-  const double wgg = weight * gg;
-  const double wgr = weight * gr;
-  h[0] += wgg * px * px;
-  h[1] += wgg * px * py;
-  h[2] += wgg * px;
-  h[3] += wgg * py * py;
-  h[4] += wgg * py;
-  h[5] += wgg;
-  rhs[0] -= wgr * px;
-  rhs[1] -= wgr * py;
-  rhs[2] -= wgr;
+  h[0] += pixel.gg * px * px;
+  h[1] += pixel.gg * px * py;
+  h[2] += pixel.gg * px;
+  h[3] += pixel.gg * py * py;
+  h[4] += pixel.gg * py;
+  h[5] += pixel.gg;
+  rhs[0] -= pixel.gr * px;
+  rhs[1] -= pixel.gr * py;
+  rhs[2] -= pixel.gr;
 }
 
 std::vector<Fit> FitsAgainst(const OtherView& other, const ColourGrid& own, const RefinedView& refined,
                              const InverseDepthMap& map, std::span<const PixelPosition> centers, bool blurred,
                              const std::stop_token& stop) {
   std::vector<Fit> fits(centers.size());
-  const double base = 1 / (other.sigma * other.sigma * (blurred ? kBlurArea : 1));
-  for (int y = 0; y < own.height() && !stop.stop_requested(); ++y) {
-    for (int x = 0; x < own.width(); ++x) {
+  const Sampling sampling = blurred ? kSmoothed : kSharp;
+  const int share = sampling.row_step * sampling.column_step;
+  const double base = share / (other.sigma * other.sigma * (blurred ? kBlurArea : 1));
+  const double inverse_scale = 1 / (kKappa * kKappa * other.sigma * other.sigma);
+  for (int y = 0; y < own.height() && !stop.stop_requested(); y += sampling.row_step) {
+    for (int x = y % sampling.column_step; x < own.width(); x += sampling.column_step) {
       const PlaneIndex s = refined.plane_of_pixel(x, y);
       if (!refined.IsFree(s)) continue;
       const auto seen = SeenIn(*other.pair, *other.map, x, y, map(x, y));
-      if (seen) AddPixel(other, *seen, own(x, y), x - centers[s].x, y - centers[s].y, base, fits[s]);
+      if (!seen) continue;
+      const auto pixel = FitOfPixel(other, *seen, own(x, y), inverse_scale, base);
+      if (pixel) AddPixel(*pixel, x - centers[s].x, y - centers[s].y, fits[s]);
     }
   }
   return fits;

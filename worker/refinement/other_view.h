@@ -31,10 +31,33 @@ struct OtherView {
   double sigma = 1.5;  // of the colour differences, grey levels: MeasureNoise
 };
 
-// nullopt: outside the other view, behind it, or hidden there by a surface more than a pixel of u nearer in
-// `other_map`.
-[[nodiscard]] std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& other_map, double x, double y,
-                                         double u);
+inline constexpr double kHiddenBy = 1;  // pixels of u: a surface as much nearer hides a point, as much farther shows it
+
+// The pixel of a position that is not negative; std::lround is a call.
+[[nodiscard]] inline int NearestPixel(double position) {
+  const double half_up = position + 0.5;
+  return static_cast<int>(half_up);
+}
+
+// nullopt: outside the other view, behind it, or hidden there by a surface more than kHiddenBy nearer in `other_map`.
+[[nodiscard]] inline std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& other_map, double x,
+                                                double y, double u) {
+  const Eigen::Matrix3d& m = pair.m;
+  const double qz = m(2, 0) * x + m(2, 1) * y + m(2, 2) + pair.e[2] * u;
+  if (!(qz > 1e-6)) return std::nullopt;
+  const double inverse = 1 / qz;
+  Seen seen;
+  seen.x = (m(0, 0) * x + m(0, 1) * y + m(0, 2) + pair.e[0] * u) * inverse;
+  seen.y = (m(1, 0) * x + m(1, 1) * y + m(1, 2) + pair.e[1] * u) * inverse;
+  if (!(seen.x >= 0 && seen.y >= 0 && seen.x <= other_map.width() - 1 && seen.y <= other_map.height() - 1))
+    return std::nullopt;
+  seen.u_in_other = pair.other_scale * u * inverse;
+  const float there = other_map(NearestPixel(seen.x), NearestPixel(seen.y));
+  if (there > seen.u_in_other + kHiddenBy) return std::nullopt;
+  seen.dx = (pair.e[0] - seen.x * pair.e[2]) * inverse;
+  seen.dy = (pair.e[1] - seen.y * pair.e[2]) * inverse;
+  return seen;
+}
 
 // Squared distance of two colours over Y, Cb, Cr.
 [[nodiscard]] double SquaredDistance(const Colour& a, const Colour& b);

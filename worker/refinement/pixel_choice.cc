@@ -67,19 +67,20 @@ struct Choice {
   int y = 0;
   std::array<PlaneIndex, kMaxCandidates> planes{};
   std::array<double, kMaxCandidates> costs{};
+  std::array<double, kMaxCandidates> u{};              // of each plane here
+  std::array<double, kFourNeighbours.size()> links{};  // what another surface at each neighbour costs
   std::size_t count = 0;
 };
 
 Choice CandidatesAt(const RefinedView& view, int x, int y) {
   Choice choice{.x = x, .y = y};
-  std::array<double, kMaxCandidates> values{};
   const auto offer = [&](int px, int py) {
     if (!view.plane_of_pixel.Contains(px, py) || choice.count == kMaxCandidates) return;
     const PlaneIndex plane = view.plane_of_pixel(px, py);
     const double u = view.planes[plane].At(x, y);
     for (std::size_t i = 0; i < choice.count; ++i)
-      if (std::abs(values[i] - u) <= kDistinct) return;
-    values[choice.count] = u;
+      if (std::abs(choice.u[i] - u) <= kDistinct) return;
+    choice.u[choice.count] = u;
     choice.planes[choice.count++] = plane;
   };
   offer(x, y);
@@ -88,8 +89,54 @@ Choice CandidatesAt(const RefinedView& view, int x, int y) {
   return choice;
 }
 
+// What planes cost at a pixel does not change from pass to pass, and most candidates are those of the pass before: the
+// last ones of each pixel are kept.
+class KnownCosts {
+ public:
+  KnownCosts(int width, int height) : slot_(width, height), pixels_(1) {}
+
+  // Sets the costs of the candidates that are known; true if all are.
+  bool Fill(Choice& choice) const {
+    const Pixel& known = pixels_[slot_(choice.x, choice.y)];
+    bool all = true;
+    for (std::size_t i = 0; i < choice.count; ++i) {
+      const auto at = std::find(known.planes.begin(), known.planes.end(), choice.planes[i]);
+      choice.costs[i] =
+          at == known.planes.end() ? kUnknown : known.costs[static_cast<std::size_t>(at - known.planes.begin())];
+      all = all && choice.costs[i] != kUnknown;
+    }
+    return all;
+  }
+
+  void Keep(int x, int y, PlaneIndex plane, double cost) {
+    std::uint32_t& slot = slot_(x, y);
+    if (slot == 0) {
+      slot = static_cast<std::uint32_t>(pixels_.size());
+      pixels_.emplace_back();
+    }
+    Pixel& pixel = pixels_[slot];
+    pixel.planes[pixel.next] = plane;
+    pixel.costs[pixel.next] = cost;
+    pixel.next = (pixel.next + 1) % kKept;
+  }
+
+  static constexpr double kUnknown = -1;
+
+ private:
+  static constexpr std::size_t kKept = 2 * kMaxCandidates;
+  struct Pixel {
+    Pixel() { planes.fill(std::numeric_limits<PlaneIndex>::max()); }
+    std::array<PlaneIndex, kKept> planes;
+    std::array<double, kKept> costs{};
+    std::size_t next = 0;
+  };
+  Grid<std::uint32_t> slot_;   // of a pixel in pixels_, 0: none yet
+  std::vector<Pixel> pixels_;  // [0] knows nothing
+};
+
 // Plane by plane, as PatchCost asks for.
-void FillCosts(const RefinedView& view, PatchCost& cost, std::vector<Choice>& choices, const std::stop_token& stop) {
+void FillCosts(const RefinedView& view, PatchCost& cost, KnownCosts& known, std::vector<Choice>& choices,
+               const std::stop_token& stop) {
   struct Candidate {
     PlaneIndex plane = 0;
     std::uint32_t choice = 0;
@@ -97,8 +144,11 @@ void FillCosts(const RefinedView& view, PatchCost& cost, std::vector<Choice>& ch
   };
   std::vector<Candidate> candidates;
   for (std::size_t c = 0; c < choices.size(); ++c) {
-    for (std::size_t i = 0; i < choices[c].count; ++i)
-      candidates.push_back({choices[c].planes[i], static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
+    if (known.Fill(choices[c])) continue;
+    for (std::size_t i = 0; i < choices[c].count; ++i) {
+      if (choices[c].costs[i] == KnownCosts::kUnknown)
+        candidates.push_back({choices[c].planes[i], static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
+    }
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.plane, a.choice) < std::tie(b.plane, b.choice);
@@ -108,36 +158,35 @@ void FillCosts(const RefinedView& view, PatchCost& cost, std::vector<Choice>& ch
     const auto& [plane, c, index] = candidates[i];
     Choice& choice = choices[c];
     choice.costs[index] = cost.At(choice.x, choice.y, plane, view.planes[plane]);
+    known.Keep(choice.x, choice.y, plane, choice.costs[index]);
   }
 }
 
 // What the prior has against each plane, where it says something.
-void AddPriorCosts(const RefinedView& view, const Grid<SegmentIndex>& segments, const PriorField& prior,
-                   std::vector<Choice>& choices) {
+void AddPriorCosts(const Grid<SegmentIndex>& segments, const PriorField& prior, std::vector<Choice>& choices) {
   for (Choice& choice : choices) {
     const std::optional<double> u = prior.At(choice.x, choice.y);
     if (!u) continue;
     const double weight = kPriorCost * prior.trust[segments(choice.x, choice.y)];
     for (std::size_t i = 0; i < choice.count; ++i) {
-      const double gap = std::abs(view.planes[choice.planes[i]].At(choice.x, choice.y) - *u);
+      const double gap = std::abs(choice.u[i] - *u);
       choice.costs[i] += weight * std::min(1.0, gap / kPriorScale);
     }
   }
 }
 
-PlaneIndex BestPlane(const ColourGrid& own, const RefinedView& view, const Choice& choice) {
+PlaneIndex BestPlane(const RefinedView& view, const Choice& choice) {
+  std::array<double, kFourNeighbours.size()> beside{};
+  for (std::size_t n = 0; n < beside.size(); ++n) {
+    const auto [dx, dy] = kFourNeighbours[n];
+    if (choice.links[n] > 0) beside[n] = view.At(choice.x + dx, choice.y + dy);
+  }
   double best = std::numeric_limits<double>::infinity();
   PlaneIndex chosen = choice.planes[0];
   for (std::size_t i = 0; i < choice.count; ++i) {
     double cost = choice.costs[i];
-    const double u = view.planes[choice.planes[i]].At(choice.x, choice.y);
-    for (const auto& [dx, dy] : kFourNeighbours) {
-      const int nx = choice.x + dx;
-      const int ny = choice.y + dy;
-      if (!view.plane_of_pixel.Contains(nx, ny)) continue;
-      const double gap = std::abs(view.At(nx, ny) - u);
-      cost += kPairCost * std::min(1.0, gap / kPairScale) * ColourWeight(own(choice.x, choice.y), own(nx, ny));
-    }
+    for (std::size_t n = 0; n < beside.size(); ++n)
+      cost += choice.links[n] * std::min(1.0, std::abs(beside[n] - choice.u[i]) / kPairScale);
     if (cost < best) {
       best = cost;
       chosen = choice.planes[i];
@@ -146,15 +195,25 @@ PlaneIndex BestPlane(const ColourGrid& own, const RefinedView& view, const Choic
   return chosen;
 }
 
+void LinkToNeighbours(const ColourGrid& own, Choice& choice) {
+  for (std::size_t n = 0; n < choice.links.size(); ++n) {
+    const int x = choice.x + kFourNeighbours[n].first;
+    const int y = choice.y + kFourNeighbours[n].second;
+    if (own.Contains(x, y)) choice.links[n] = kPairCost * ColourWeight(own(choice.x, choice.y), own(x, y));
+  }
+}
+
 // The choices at the marked pixels that have one and may move.
 std::vector<Choice> ChoicesAt(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& segments,
-                              const RefinedView& view) {
+                              const ColourGrid& own, const RefinedView& view) {
   std::vector<Choice> choices;
   for (int y = 0; y < marked.height(); ++y) {
     for (int x = 0; x < marked.width(); ++x) {
       if (marked(x, y) == 0 || view.kept[segments(x, y)] != 0) continue;
-      const Choice choice = CandidatesAt(view, x, y);
-      if (choice.count >= 2) choices.push_back(choice);
+      Choice choice = CandidatesAt(view, x, y);
+      if (choice.count < 2) continue;
+      LinkToNeighbours(own, choice);
+      choices.push_back(choice);
     }
   }
   return choices;
@@ -173,15 +232,16 @@ Grid<std::uint8_t> NearChanges(const std::vector<Choice>& choices, const Refined
 void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
                   const PriorField* prior, RefinedView& view, const std::stop_token& stop) {
   PatchCost cost(own, others);  // of all passes: planes and maps stay, only who has which plane changes
+  KnownCosts known(own.width(), own.height());
   Grid<std::uint8_t> open = JumpBand(view.Map());
   for (int pass = 0; pass < kMostPasses && !stop.stop_requested(); ++pass) {
-    std::vector<Choice> choices = ChoicesAt(open, segments, view);
+    std::vector<Choice> choices = ChoicesAt(open, segments, own, view);
     if (choices.empty()) return;
-    FillCosts(view, cost, choices, stop);
+    FillCosts(view, cost, known, choices, stop);
     if (stop.stop_requested()) return;
-    if (prior != nullptr) AddPriorCosts(view, segments, *prior, choices);
+    if (prior != nullptr) AddPriorCosts(segments, *prior, choices);
     for (int sweep = 0; sweep < kSweeps; ++sweep)
-      for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(own, view, choice);
+      for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(view, choice);
     open = NearChanges(choices, view);
   }
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <numeric>
+#include <vector>
 
 #include "common/geometry/symmetric_solve.h"
 
@@ -17,31 +19,108 @@ constexpr double kMaxStep = 1;          // pixels of u in a round
 constexpr double kRidge = 1e-6;         // a segment without data or links stays where it is
 constexpr int kSweeps = 12;
 
-struct Link {
-  std::size_t other = 0;
-  double dx = 0;  // other's centre - own
-  double dy = 0;
-  double weight = 0;
-};
-
 // (a, b, u at the centre).
 using Local = std::array<double, 3>;
 
-std::vector<std::vector<Link>> LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_scale) {
-  std::vector<std::vector<Link>> links(start.size());
+// What a neighbour's plane adds to a segment's equations: its weight, times the way to its centre.
+struct Link {
+  SegmentIndex other = 0;
+  double dx = 0;  // other's centre - own
+  double dy = 0;
+  double weight = 0;
+  double weight_dx = 0;
+  double weight_dy = 0;
+  double slope = 0;
+};
+
+Link LinkTo(SegmentIndex other, double dx, double dy, double weight) {
+  return {.other = other,
+          .dx = dx,
+          .dy = dy,
+          .weight = weight,
+          .weight_dx = weight * dx,
+          .weight_dy = weight * dy,
+          .slope = weight * kSlopeCoupling * (dx * dx + dy * dy)};
+}
+
+// The links of each segment, one after the other: those of s are [first[s], first[s + 1]).
+struct Links {
+  std::vector<std::size_t> first;
+  std::vector<Link> all;
+
+  [[nodiscard]] std::span<const Link> Of(std::size_t s) const {
+    return std::span(all).subspan(first[s], first[s + 1] - first[s]);
+  }
+};
+
+double WeightOf(const SegmentMap& map, std::span<const Local> start, SegmentIndex s, SegmentIndex t, double gap_scale) {
+  const double dx = map.centers[t].x - map.centers[s].x;
+  const double dy = map.centers[t].y - map.centers[s].y;
+  const double gap_t = start[s][2] + start[s][0] * dx + start[s][1] * dy - start[t][2];
+  const double gap_s = start[t][2] - start[t][0] * dx - start[t][1] * dy - start[s][2];
+  const double gap = 0.5 * (std::abs(gap_t) + std::abs(gap_s)) / gap_scale;
+  const double colour = static_cast<double>(L1Distance(map.means[s], map.means[t])) / kMeanColorScale;
+  const double robust = 1 / (1 + gap * gap);
+  return kLambda * robust * robust / (1 + colour / kColourScale);
+}
+
+Links LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_scale) {
+  Links links{.first = std::vector<std::size_t>(start.size() + 1), .all = {}};
+  for (const auto& [s, t] : map.adjacency) {
+    ++links.first[s + 1];
+    ++links.first[t + 1];
+  }
+  std::partial_sum(links.first.begin(), links.first.end(), links.first.begin());
+  links.all.resize(links.first.back());
+  std::vector<std::size_t> next(links.first.begin(), links.first.end() - 1);
   for (const auto& [s, t] : map.adjacency) {
     const double dx = map.centers[t].x - map.centers[s].x;
     const double dy = map.centers[t].y - map.centers[s].y;
-    const double gap_t = start[s][2] + start[s][0] * dx + start[s][1] * dy - start[t][2];
-    const double gap_s = start[t][2] - start[t][0] * dx - start[t][1] * dy - start[s][2];
-    const double gap = 0.5 * (std::abs(gap_t) + std::abs(gap_s)) / gap_scale;
-    const double colour = static_cast<double>(L1Distance(map.means[s], map.means[t])) / kMeanColorScale;
-    const double robust = 1 / (1 + gap * gap);
-    const double weight = kLambda * robust * robust / (1 + colour / kColourScale);
-    links[s].push_back({t, dx, dy, weight});
-    links[t].push_back({s, -dx, -dy, weight});
+    const double weight = WeightOf(map, start, s, t, gap_scale);
+    links.all[next[s]++] = LinkTo(t, dx, dy, weight);
+    links.all[next[t]++] = LinkTo(s, -dx, -dy, weight);
   }
   return links;
+}
+
+// A segment's equations while its neighbours move: their left side stays.
+struct Equations {
+  SymmetricFactor factor;
+  Local rhs{};  // of the data
+};
+
+Equations EquationsOf(const NormalEquations& data, const Local& start, std::span<const Link> links) {
+  std::array<double, 6> h = data.h;
+  Local r{};
+  r[0] = data.rhs[0] + h[0] * start[0] + h[1] * start[1] + h[2] * start[2];
+  r[1] = data.rhs[1] + h[1] * start[0] + h[3] * start[1] + h[4] * start[2];
+  r[2] = data.rhs[2] + h[2] * start[0] + h[4] * start[1] + h[5] * start[2];
+  constexpr std::array<std::size_t, 3> kDiagonal{0, 3, 5};
+  for (std::size_t i = 0; i < 3; ++i) {
+    h[kDiagonal[i]] += kRidge;
+    r[i] += kRidge * start[i];
+  }
+  for (const Link& link : links) {
+    // At the other's centre: (dx, dy, 1) . p = its u.
+    h[0] += link.weight_dx * link.dx + link.slope;
+    h[1] += link.weight_dx * link.dy;
+    h[2] += link.weight_dx;
+    h[3] += link.weight_dy * link.dy + link.slope;
+    h[4] += link.weight_dy;
+    h[5] += 2 * link.weight;  // and at the own centre: u = the other's plane
+  }
+  return {SymmetricFactor(h), r};
+}
+
+Local RightSide(const Equations& equations, std::span<const Link> links, std::span<const Local> now) {
+  Local r = equations.rhs;
+  for (const Link& link : links) {
+    const Local& q = now[link.other];
+    r[0] += link.weight_dx * q[2] + link.slope * q[0];
+    r[1] += link.weight_dy * q[2] + link.slope * q[1];
+    r[2] += link.weight * (2 * q[2] - q[0] * link.dx - q[1] * link.dy);
+  }
+  return r;
 }
 
 }  // namespace
@@ -52,46 +131,16 @@ void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, d
   std::vector<Local> start(n);
   for (std::size_t s = 0; s < n; ++s)
     start[s] = {planes[s].a, planes[s].b, planes[s].At(map.centers[s].x, map.centers[s].y)};
-  const std::vector<std::vector<Link>> links = LinksOf(map, start, gap_scale);
+  const Links links = LinksOf(map, start, gap_scale);
+  std::vector<Equations> equations(n);
+  for (std::size_t s = 0; s < n; ++s)
+    if (view.kept[s] == 0) equations[s] = EquationsOf(data[s], start[s], links.Of(s));
   std::vector<Local> now = start;
   const auto update = [&](std::size_t s) {
-    if (view.kept[s] != 0) return;
-    std::array<double, 6> h = data[s].h;
-    Local r{};
-    const Local& p = start[s];
-    r[0] = data[s].rhs[0] + h[0] * p[0] + h[1] * p[1] + h[2] * p[2];
-    r[1] = data[s].rhs[1] + h[1] * p[0] + h[3] * p[1] + h[4] * p[2];
-    r[2] = data[s].rhs[2] + h[2] * p[0] + h[4] * p[1] + h[5] * p[2];
-    constexpr std::array<std::size_t, 3> kDiagonal{0, 3, 5};
-    for (std::size_t i = 0; i < 3; ++i) {
-      h[kDiagonal[i]] += kRidge;
-      r[i] += kRidge * p[i];
-    }
-    for (const Link& link : links[s]) {
-      const Local& q = now[link.other];
-      const double w = link.weight;
-      // At the other's centre: (dx, dy, 1) . p = q[2].
-      h[0] += w * link.dx * link.dx;
-      h[1] += w * link.dx * link.dy;
-      h[2] += w * link.dx;
-      h[3] += w * link.dy * link.dy;
-      h[4] += w * link.dy;
-      h[5] += w;
-      r[0] += w * link.dx * q[2];
-      r[1] += w * link.dy * q[2];
-      r[2] += w * q[2];
-      // At the own centre: p[2] = q extended.
-      h[5] += w;
-      r[2] += w * (q[2] - q[0] * link.dx - q[1] * link.dy);
-      const double slope = w * kSlopeCoupling * (link.dx * link.dx + link.dy * link.dy);
-      h[0] += slope;
-      h[3] += slope;
-      r[0] += slope * q[0];
-      r[1] += slope * q[1];
-    }
-    Local solved{};
-    if (!SolveSymmetric(h, r, solved)) return;
-    solved[2] = std::clamp(solved[2], p[2] - kMaxStep, p[2] + kMaxStep);
+    const SymmetricFactor& factor = equations[s].factor;
+    if (!factor.definite()) return;  // nor is that of a kept segment
+    Local solved = factor.Solve(RightSide(equations[s], links.Of(s), now));
+    solved[2] = std::clamp(solved[2], start[s][2] - kMaxStep, start[s][2] + kMaxStep);
     now[s] = solved;
   };
   for (int sweep = 0; sweep < kSweeps; ++sweep) {

@@ -33,6 +33,17 @@ TEST(DataTerm, ReadsAllOfALargerOtherView) {  // and nothing outside of a smalle
   EXPECT_NEAR(Step(Equations(smaller, FlatView(5.2))[0]), -0.2, 0.05);
 }
 
+// Smoothed pixels share their noise, and fewer of them speak; the others' share is theirs.
+TEST(DataTerm, HowManyPixelsSpeakDoesNotChangeTheWeight) {
+  const TwoViews views(5);
+  const std::vector<OtherView> others{views.Other()};
+  const RefinedView view = FlatView(5.1);
+  constexpr double kBlurArea = 13;
+  const double sharp = DataTerm(views.own, view, view.Map(), kCentre, others, false)[0].h[5];
+  const double smoothed = DataTerm(views.own, view, view.Map(), kCentre, others, true)[0].h[5];
+  EXPECT_NEAR(smoothed * kBlurArea / sharp, 1, 0.03);
+}
+
 TEST(DataTerm, LeavesKeptSegmentsAndTheirPixelsOut) {
   const TwoViews views(5);
   RefinedView kept = FlatView(5.3);
