@@ -12,6 +12,7 @@ namespace depthfarm {
 namespace {
 
 constexpr int kPixelsPerSegment = 20;
+constexpr int kUsualPixels = 1024 * 768;  // of a larger view that is refined segments grow
 constexpr int kMaxAutoLevels = 250;
 constexpr double kLevelPixels = 1;          // refinement finds what lies between levels a pixel apart, unless
 constexpr double kFewestSteps = 24;         // there are so few that they can as well be finer,
@@ -19,6 +20,13 @@ constexpr double kFinalLevelPixels = 0.25;  // as they must be without it
 constexpr long long kSmallProblem =
     2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
+
+// Of planes that are refined fewer are enough where pictures are large: what is thin has more pixels there.
+int AutoSegments(int pixels, bool refined) {
+  const double segments = static_cast<double>(pixels) / kPixelsPerSegment;
+  const double usual = static_cast<double>(kUsualPixels) / pixels;
+  return std::max(1, static_cast<int>(refined && usual < 1 ? segments * std::sqrt(usual) : segments));
+}
 
 // For messages: the first few, with commas.
 std::string CameraNames(const Sequence& sequence) {
@@ -183,7 +191,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     DEPTHFARM_RETURN_IF_ERROR(CheckRefinable(job_view.camera, params));
     const int pixels = job_view.camera.width * job_view.camera.height;
     job_view.segments =
-        std::min(params.segments > 0 ? params.segments : std::max(1, pixels / kPixelsPerSegment), pixels);
+        std::min(params.segments > 0 ? params.segments : AutoSegments(pixels, params.refine_rounds > 0), pixels);
     cameras.push_back(job_view.camera);
     job.views.push_back(job_view);
   }

@@ -99,7 +99,7 @@ Status ParseFrames(std::string_view text, EstimationParams& params) {
 }
 
 constexpr auto kOptions = std::to_array<EstimationOption>({
-    {"segments", "auto|N", "Superpixels per view; auto: one per 20 pixels",
+    {"segments", "auto|N", "Superpixels per view; auto: one per 20 pixels, with refinement larger above 1024x768",
      [](std::string_view text, EstimationParams& params) {
        return ParseAutoOrInteger("segments", text, params.segments);
      }},

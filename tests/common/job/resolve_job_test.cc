@@ -32,6 +32,23 @@ TEST(ResolveJobSegments, AutoIsOnePerTwentyPixels) {  // III-B
   for (const JobView& view : Resolved(LineSequence({0, 0.1})).views) EXPECT_EQ(view.segments, 320 * 240 / 20);
 }
 
+TEST(ResolveJobSegments, OfLargeRefinedViewsAreLarger) {
+  const auto segments = [](int width, int height, int refine_rounds) {
+    Sequence sequence = LineSequence({0, 0.1});
+    for (SequenceCamera& camera : sequence.cameras) {
+      camera.camera.width = width;
+      camera.camera.height = height;
+    }
+    EstimationParams params;
+    params.refine_rounds = refine_rounds;
+    return Resolved(sequence, params).views[0].segments;
+  };
+  EXPECT_EQ(segments(1024, 768, 4), 1024 * 768 / 20);
+  EXPECT_EQ(segments(2048, 1536, 4), 2 * (1024 * 768 / 20) + 1);  // four times the pixels, twice the segments
+  EXPECT_EQ(segments(1920, 1080, 4), 63850);
+  EXPECT_EQ(segments(1920, 1080, 0), 1920 * 1080 / 20);  // the paper's
+}
+
 TEST(ResolveJobSegments, AutoFollowsTheSizeOfEachView) {
   Sequence sequence = LineSequence({0, 0.1});
   sequence.cameras[1].camera = ForwardCamera("cam1", 0.1, 0, 160, 120, kFocal_px / 2);
