@@ -238,6 +238,13 @@ Result<DepthManifest> ReadDepthManifest(const std::string& directory) {
   static constexpr std::array<std::string_view, 6> kKeys = {"format",     "sequence",   "algorithmVersion",
                                                             "firstFrame", "parameters", "cameras"};
   const std::string file = (std::filesystem::path(directory) / kDepthManifestName).string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) {
+    return InvalidArgument(directory + (std::filesystem::is_directory(directory, ignored)
+                                            ? " has no " + std::string(kDepthManifestName) +
+                                                  ": it is not the output folder of a finished job"
+                                            : ": no such folder"));
+  }
   const auto text = ReadFileBytes(file, kMaxManifestBytes);
   if (!text.ok()) return InvalidArgument(text.status().message());
   const auto document = ParseStrictJson(*text);

@@ -123,7 +123,8 @@ int Execute(const RunArguments& arguments) {
     if (Status supervised = farm.value()->Supervise(); !supervised.ok()) farm_status = supervised;
   }
   record.respawns = farm.value()->respawns();
-  const std::string log_tails = job.ok() && job->state() != v1::JOB_STATE_DONE ? farm.value()->LogTails() : "";
+  const bool show_logs = job.ok() && ExitCodeOfJob(*job) == kExitFailed;
+  const std::string log_tails = show_logs ? farm.value()->LogTails() : "";  // of bad input the reason says all
   farm.value().reset();
   RemoveStaging(request->output_dir);
   if (interrupted) {

@@ -133,6 +133,16 @@ TEST(ExitCodes, AMissingPictureIsNamedWithCameraAndFrame) {
   EXPECT_EQ(without.exit_code, 0) << "frame 0 needs no picture of frame 1\n" << without.output;
 }
 
+TEST(ExitCodes, ADamagedPictureFailsTheJobWithItsNameAndNoLogs) {
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 1});
+  std::ofstream(folder.path() / "scene" / "cam1" / "0000.png", std::ios::trunc) << "\x89PNG\r\n";
+  const Outcome run = Depthfarm(Words{"run", sequence, "-o", folder / "out"} + SmallJob());
+  EXPECT_EQ(run.exit_code, 2) << run.output;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("camera 'cam1', frame 0"), HasSubstr("cam1/0000.png")));
+  EXPECT_THAT(run.output, Not(HasSubstr("coordinator.log")));
+}
+
 TEST(ExitCodes, SomebodyElsesDepthFolderIsLeftAlone) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 1});

@@ -135,9 +135,12 @@ TEST(DepthManifest, IsReadStrictly) {
   }
 }
 
-TEST(DepthManifest, MissingFileNamesIt) {
+TEST(DepthManifest, AFolderWithoutIsNoResult) {
   const TemporaryFolder folder;
-  EXPECT_THAT(ReadDepthManifest(folder.path().string()).status().message(), HasSubstr(folder.File("depth.json")));
+  EXPECT_THAT(ReadDepthManifest(folder.path().string()).status().message(),
+              AllOf(HasSubstr(folder.path().string()), HasSubstr("depth.json"), HasSubstr("of a finished job")));
+  EXPECT_THAT(ReadDepthManifest(folder.File("none")).status().message(),
+              AllOf(HasSubstr(folder.File("none")), HasSubstr("no such folder")));
 }
 
 }  // namespace
