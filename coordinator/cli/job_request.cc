@@ -51,6 +51,11 @@ std::string GuidesText(const ResolvedJob& job) {
   return text;
 }
 
+Status NoPicture(const std::string& camera, int frame, const std::string& file, const std::string& reason) {
+  return InvalidArgument("camera '" + camera + "', frame " + std::to_string(frame) + ": picture " + file + ": " +
+                         reason);
+}
+
 }  // namespace
 
 Status CheckPictures(const Sequence& sequence, const ResolvedJob& job) {
@@ -63,9 +68,7 @@ Status CheckPictures(const Sequence& sequence, const ResolvedJob& job) {
       const std::string& file = source->images[static_cast<std::size_t>(sequence_frame)];
       std::error_code error;
       if (std::filesystem::is_regular_file(file, error)) continue;
-      const std::string reason = error ? error.message() : "not a regular file";
-      return InvalidArgument("camera '" + view.camera.name + "', frame " + std::to_string(sequence_frame) +
-                             ": picture " + file + ": " + reason);
+      return NoPicture(view.camera.name, sequence_frame, file, error ? error.message() : "not a regular file");
     }
   }
   return {};

@@ -17,10 +17,11 @@ struct NormalEquations {
   std::array<double, 3> rhs{};
 };
 
-// Gauss-Newton on the colour differences of all free pixels (RefinedView::IsFree) of each segment against each other
-// view; an other view that does not fit a segment (a silhouette) counts less there. `map` is refined.Map(), `centers`
-// has one per segment. `blurred`: the colours are smoothed, so neighbouring differences are not independent. Ends early
-// with a part of the sum once `stop` is requested.
+// Gauss-Newton on the colour differences of the free pixels (RefinedView::IsFree) of each segment against each other
+// view, of which every second one speaks for two, every fourth of smoothed pictures for four; an other view that does
+// not fit a segment (a silhouette) counts less there. `map` is refined.Map(), `centers` has one per segment. `blurred`:
+// the colours are smoothed, so neighbouring differences are not independent. Ends early with a part of the sum once
+// `stop` is requested.
 [[nodiscard]] std::vector<NormalEquations> DataTerm(const ColourGrid& own, const RefinedView& refined,
                                                     const InverseDepthMap& map, std::span<const PixelPosition> centers,
                                                     std::span<const OtherView> others, bool blurred,
