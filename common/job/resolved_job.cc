@@ -21,7 +21,7 @@ constexpr long long kSmallProblem =
     2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
 constexpr long long kLargeProblem = 20'000'000;
 
-// Of planes that are refined fewer are enough where pictures are large: what is thin has more pixels there.
+// Of planes that are refined fewer are enough where pictures are large (docs/results.md, Segments of large pictures).
 int AutoSegments(int pixels, bool refined) {
   const double segments = static_cast<double>(pixels) / kPixelsPerSegment;
   const double usual = static_cast<double>(kUsualPixels) / pixels;

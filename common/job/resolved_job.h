@@ -53,7 +53,7 @@ struct ResolvedJob {
 //   reference  the sequence's, else the centre camera of the views;
 //   z range    the parameters', else the reference camera's own, else the sequence's;
 //   segments   one per 20 pixels of a view (paper III-B: "segments of size of 20 samples or less"); with refinement, of
-//              views larger than 1024x768 only as the root of the size: 63,800 at 1920x1080;
+//              views larger than 1024x768 only as the root of the size: 63,850 at 1920x1080;
 //   levels     at most 250, such that one is about a pixel at the median nearest neighbour and at most two at the
 //              widest baseline used; without refinement, or with fewer than 25 levels, down to a quarter of that;
 //   n          1 for small problems, else up to 8 (I frames; side by side, with a part of the memory each) or 2 (P

@@ -238,12 +238,17 @@ Result<DepthManifest> ReadDepthManifest(const std::string& directory) {
   static constexpr std::array<std::string_view, 6> kKeys = {"format",     "sequence",   "algorithmVersion",
                                                             "firstFrame", "parameters", "cameras"};
   const std::string file = (std::filesystem::path(directory) / kDepthManifestName).string();
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) {
-    return InvalidArgument(directory + (std::filesystem::is_directory(directory, ignored)
-                                            ? " has no " + std::string(kDepthManifestName) +
-                                                  ": it is not the output folder of a finished job"
-                                            : ": no such folder"));
+  const auto missing = [](const std::string& path) {
+    std::error_code error;
+    return std::filesystem::status(path, error).type() == std::filesystem::file_type::not_found;
+  };
+  if (missing(directory)) return InvalidArgument(directory + ": no such folder");
+  if (std::error_code error; std::filesystem::is_regular_file(directory, error)) {
+    return InvalidArgument(directory + " is a file, expected the output folder of a job");
+  }
+  if (missing(file)) {
+    return InvalidArgument(directory + " has no " + kDepthManifestName +
+                           ": it is not the output folder of a finished job");
   }
   const auto text = ReadFileBytes(file, kMaxManifestBytes);
   if (!text.ok()) return InvalidArgument(text.status().message());

@@ -24,7 +24,7 @@ inline constexpr float kMostPriorValue = 1e18F;  // beyond it is no depth, and i
 
 // A prior of a view in one frame: pixel by pixel in 16 bits, and what follows from that for each segment.
 struct ViewPrior {
-  float lowest = 0;               // of the values; less than kMostPriorValue, and so is the highest
+  float lowest = 0;               // of the values; they span at most kMostPriorValue from it
   float step = 0;                 // between codes
   Grid<std::uint16_t> codes;      // W x H; 0: not known, else value = lowest + (code - 1) * step
   Grid<std::uint8_t> confidence;  // W x H, 255 is certain; empty: all are

@@ -141,6 +141,8 @@ TEST(DepthManifest, AFolderWithoutIsNoResult) {
               AllOf(HasSubstr(folder.path().string()), HasSubstr("depth.json"), HasSubstr("of a finished job")));
   EXPECT_THAT(ReadDepthManifest(folder.File("none")).status().message(),
               AllOf(HasSubstr(folder.File("none")), HasSubstr("no such folder")));
+  const std::string file = folder.Write("depth.json", "{}");
+  EXPECT_THAT(ReadDepthManifest(file).status().message(), AllOf(HasSubstr(file), HasSubstr("is a file")));
 }
 
 }  // namespace

@@ -37,11 +37,21 @@ TEST(DataTerm, ReadsAllOfALargerOtherView) {  // and nothing outside of a smalle
 TEST(DataTerm, HowManyPixelsSpeakDoesNotChangeTheWeight) {
   const TwoViews views(5);
   const std::vector<OtherView> others{views.Other()};
-  const RefinedView view = FlatView(5.1);
+  const RefinedView view = FlatView(5);
   constexpr double kBlurArea = 13;
   const double sharp = DataTerm(views.own, view, view.Map(), kCentre, others, false)[0].h[5];
   const double smoothed = DataTerm(views.own, view, view.Map(), kCentre, others, true)[0].h[5];
   EXPECT_NEAR(smoothed * kBlurArea / sharp, 1, 0.03);
+  double expected = 0;  // of all pixels at the true depth, where nothing is robust: |g|^2 / sigma^2
+  const double sigma = others[0].sigma;
+  for (int y = 0; y < TwoViews::kHeight; ++y) {
+    for (int x = 6; x < TwoViews::kWidth; ++x) {
+      const Colour after = TextureAt(x + 0.5, y);
+      const Colour before = TextureAt(x - 0.5, y);
+      expected += SquaredDistance(after, before) / (sigma * sigma);
+    }
+  }
+  EXPECT_NEAR(sharp / expected, 1, 0.1);
 }
 
 TEST(DataTerm, LeavesKeptSegmentsAndTheirPixelsOut) {

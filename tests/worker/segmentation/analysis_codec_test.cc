@@ -93,7 +93,10 @@ TEST(AnalysisCodec, RefusesHeadersThatNoAnalysisHas) {
   EXPECT_EQ(with(12, 4), ErrorCode::kCorrupt);           // confidence of no prior
   EXPECT_EQ(with(12, 2), ErrorCode::kCorrupt);           // a prior that is not there
   EXPECT_EQ(with(16, 0x7FC00000), ErrorCode::kCorrupt);  // NaN
+  EXPECT_EQ(with(16, 0xBF800000), ErrorCode::kCorrupt);  // lowest -1
+  EXPECT_EQ(with(16, 0x7149F2CA), ErrorCode::kCorrupt);  // 1e30
   EXPECT_EQ(with(20, 0xBF800000), ErrorCode::kCorrupt);  // step -1
+  EXPECT_EQ(with(20, 0x7149F2CA), ErrorCode::kCorrupt);  // 1e30
 }
 
 TEST(AnalysisCodec, TakesLessThanHalfOfThePlainBytesOfAScene) {
