@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "worker/refinement/known_costs.h"
 #include "worker/refinement/patch_cost.h"
 
 namespace depthfarm {
@@ -24,6 +25,7 @@ constexpr int kReach = 2;           // candidates come from as far, in each pass
 constexpr int kMostPasses = 40;     // usually nothing is left to do before; two choices may swap for ever
 constexpr double kDistinct = 0.15;  // pixels of u between candidates
 constexpr std::size_t kMaxCandidates = 5;
+constexpr double kUnknown = -1;  // cost
 constexpr int kSweeps = 3;
 constexpr std::size_t kCostsBetweenStopChecks = 1U << 12;
 constexpr double kPriorCost = 0.3;  // of rho, for a plane that the prior speaks against
@@ -89,50 +91,15 @@ Choice CandidatesAt(const RefinedView& view, int x, int y) {
   return choice;
 }
 
-// What planes cost at a pixel does not change from pass to pass, and most candidates are those of the pass before: the
-// last ones of each pixel are kept.
-class KnownCosts {
- public:
-  KnownCosts(int width, int height) : slot_(width, height), pixels_(1) {}
-
-  // Sets the costs of the candidates that are known; true if all are.
-  bool Fill(Choice& choice) const {
-    const Pixel& known = pixels_[slot_(choice.x, choice.y)];
-    bool all = true;
-    for (std::size_t i = 0; i < choice.count; ++i) {
-      const auto at = std::find(known.planes.begin(), known.planes.end(), choice.planes[i]);
-      choice.costs[i] =
-          at == known.planes.end() ? kUnknown : known.costs[static_cast<std::size_t>(at - known.planes.begin())];
-      all = all && choice.costs[i] != kUnknown;
-    }
-    return all;
+// Sets the costs that are known; the others are kUnknown, and true is returned if there are none.
+bool FillKnown(const KnownCosts& known, Choice& choice) {
+  bool all = true;
+  for (std::size_t i = 0; i < choice.count; ++i) {
+    choice.costs[i] = known.Find(choice.x, choice.y, choice.planes[i]).value_or(kUnknown);
+    all = all && choice.costs[i] != kUnknown;
   }
-
-  void Keep(int x, int y, PlaneIndex plane, double cost) {
-    std::uint32_t& slot = slot_(x, y);
-    if (slot == 0) {
-      slot = static_cast<std::uint32_t>(pixels_.size());
-      pixels_.emplace_back();
-    }
-    Pixel& pixel = pixels_[slot];
-    pixel.planes[pixel.next] = plane;
-    pixel.costs[pixel.next] = cost;
-    pixel.next = (pixel.next + 1) % kKept;
-  }
-
-  static constexpr double kUnknown = -1;
-
- private:
-  static constexpr std::size_t kKept = 2 * kMaxCandidates;
-  struct Pixel {
-    Pixel() { planes.fill(std::numeric_limits<PlaneIndex>::max()); }
-    std::array<PlaneIndex, kKept> planes;
-    std::array<double, kKept> costs{};
-    std::size_t next = 0;
-  };
-  Grid<std::uint32_t> slot_;   // of a pixel in pixels_, 0: none yet
-  std::vector<Pixel> pixels_;  // [0] knows nothing
-};
+  return all;
+}
 
 // Plane by plane, as PatchCost asks for.
 void FillCosts(const RefinedView& view, PatchCost& cost, KnownCosts& known, std::vector<Choice>& choices,
@@ -144,9 +111,9 @@ void FillCosts(const RefinedView& view, PatchCost& cost, KnownCosts& known, std:
   };
   std::vector<Candidate> candidates;
   for (std::size_t c = 0; c < choices.size(); ++c) {
-    if (known.Fill(choices[c])) continue;
+    if (FillKnown(known, choices[c])) continue;
     for (std::size_t i = 0; i < choices[c].count; ++i) {
-      if (choices[c].costs[i] == KnownCosts::kUnknown)
+      if (choices[c].costs[i] == kUnknown)
         candidates.push_back({choices[c].planes[i], static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
     }
   }

@@ -53,15 +53,11 @@ struct Links {
   }
 };
 
-double WeightOf(const SegmentMap& map, std::span<const Local> start, SegmentIndex s, SegmentIndex t, double gap_scale) {
-  const double dx = map.centers[t].x - map.centers[s].x;
-  const double dy = map.centers[t].y - map.centers[s].y;
-  const double gap_t = start[s][2] + start[s][0] * dx + start[s][1] * dy - start[t][2];
-  const double gap_s = start[t][2] - start[t][0] * dx - start[t][1] * dy - start[s][2];
-  const double gap = 0.5 * (std::abs(gap_t) + std::abs(gap_s)) / gap_scale;
-  const double colour = static_cast<double>(L1Distance(map.means[s], map.means[t])) / kMeanColorScale;
-  const double robust = 1 / (1 + gap * gap);
-  return kLambda * robust * robust / (1 + colour / kColourScale);
+// How far two planes are apart: each, extended to the other's centre (dx, dy) away, from that one; the mean.
+double Gap(const Local& own, const Local& other, double dx, double dy) {
+  const double there = own[2] + own[0] * dx + own[1] * dy - other[2];
+  const double here = other[2] - other[0] * dx - other[1] * dy - own[2];
+  return 0.5 * (std::abs(there) + std::abs(here));
 }
 
 Links LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_scale) {
@@ -76,7 +72,10 @@ Links LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_sc
   for (const auto& [s, t] : map.adjacency) {
     const double dx = map.centers[t].x - map.centers[s].x;
     const double dy = map.centers[t].y - map.centers[s].y;
-    const double weight = WeightOf(map, start, s, t, gap_scale);
+    const double gap = Gap(start[s], start[t], dx, dy) / gap_scale;
+    const double colour = static_cast<double>(L1Distance(map.means[s], map.means[t])) / kMeanColorScale;
+    const double robust = 1 / (1 + gap * gap);
+    const double weight = kLambda * robust * robust / (1 + colour / kColourScale);
     links.all[next[s]++] = LinkTo(t, dx, dy, weight);
     links.all[next[t]++] = LinkTo(s, -dx, -dy, weight);
   }
