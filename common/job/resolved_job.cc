@@ -185,8 +185,8 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     job_view.source_width = view->camera.width;
     job_view.source_height = view->camera.height;
     job_view.format = view->format;
-    job_view.prior = view->prior_format;
-    job_view.masked = !view->masks.empty();
+    if (AnyFile(view->prior)) job_view.prior = view->prior_format;
+    job_view.masked = AnyFile(view->masks);
     DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(job_view.camera));
     DEPTHFARM_RETURN_IF_ERROR(CheckRefinable(job_view.camera, params));
     const int pixels = job_view.camera.width * job_view.camera.height;

@@ -34,12 +34,6 @@ std::string IfThere(const fs::path& file) {
   return fs::is_regular_file(file, error) ? file.string() : "";
 }
 
-bool AnyFile(const std::vector<std::string>& paths) {
-  for (const std::string& path : paths)
-    if (!path.empty()) return true;
-  return false;
-}
-
 std::string CameraNames(const Sequence& sequence) {
   constexpr std::size_t kMost = 4;
   std::string names;
@@ -159,11 +153,7 @@ Status AddMasks(const std::string& directory, Sequence& sequence) {
     camera.masks.assign(camera.images.size(), "");
     for (std::size_t frame = 0; frame < camera.images.size(); ++frame)
       camera.masks[frame] = IfThere(folder / camera.camera.name / (FrameName(static_cast<int>(frame)) + ".png"));
-    if (AnyFile(camera.masks)) {
-      any = true;
-    } else {
-      camera.masks.clear();
-    }
+    any = any || AnyFile(camera.masks);
   }
   if (any) return {};
   return InvalidArgument("mask folder " + folder.string() + " has no mask of any camera of the sequence (" +

@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_COMMON_SEQUENCE_SEQUENCE_H_
 #define DEPTHFARM_COMMON_SEQUENCE_SEQUENCE_H_
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,11 @@ struct SequenceCamera {
   std::optional<double> z_near;               // own range, the sequence's unit of length
   std::optional<double> z_far;
 };
+
+// Whether one of such lists names any file.
+[[nodiscard]] inline bool AnyFile(const std::vector<std::string>& paths) {
+  return std::any_of(paths.begin(), paths.end(), [](const std::string& path) { return !path.empty(); });
+}
 
 // Depth known for some views: rendered scenes and sets with measured disparity.
 struct GroundTruthView {

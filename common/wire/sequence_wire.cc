@@ -59,6 +59,8 @@ Result<SequenceCamera> CameraFromProto(const v1::SequenceCamera& proto) {
   DEPTHFARM_RETURN_IF_ERROR(ReadGuides(name + "confidences of the prior", proto.prior_confidence(),
                                        camera.images.size(), camera.prior_confidence));
   DEPTHFARM_ASSIGN_OR_RETURN(camera.prior_format, FromProto(proto.prior_format()));
+  if (AnyFile(camera.prior) && camera.prior_format.holds == PriorFormat::Holds::kNothing)
+    return InvalidArgument(name + "priors have no format: what they hold is not said");
   DEPTHFARM_ASSIGN_OR_RETURN(camera.z_near, OptionalDistance(name + "zNear", proto.has_z_near(), proto.z_near()));
   DEPTHFARM_ASSIGN_OR_RETURN(camera.z_far, OptionalDistance(name + "zFar", proto.has_z_far(), proto.z_far()));
   return camera;

@@ -49,6 +49,22 @@ TEST(ResolveJobSegments, OfLargeRefinedViewsAreLarger) {
   EXPECT_EQ(segments(1920, 1080, 0), 1920 * 1080 / 20);  // the paper's
 }
 
+TEST(ResolveJob, OnlyViewsWithFilesAreGuided) {
+  Sequence sequence = LineSequence({0, 0.1});
+  const std::vector<std::string> none(sequence.cameras[0].images.size());
+  for (SequenceCamera& camera : sequence.cameras) {
+    camera.masks = camera.prior = none;
+    camera.prior_format = {PriorFormat::Holds::kDepth, 1, 0, 0};
+  }
+  sequence.cameras[1].masks.back() = "/m.png";
+  sequence.cameras[1].prior.back() = "/p.pfm";
+  const ResolvedJob job = Resolved(sequence);
+  EXPECT_FALSE(job.views[0].masked);
+  EXPECT_TRUE(job.views[1].masked);
+  EXPECT_EQ(job.views[0].prior, PriorFormat());
+  EXPECT_EQ(job.views[1].prior, sequence.cameras[1].prior_format);
+}
+
 TEST(ResolveJobSegments, AutoFollowsTheSizeOfEachView) {
   Sequence sequence = LineSequence({0, 0.1});
   sequence.cameras[1].camera = ForwardCamera("cam1", 0.1, 0, 160, 120, kFocal_px / 2);

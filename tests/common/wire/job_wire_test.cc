@@ -175,6 +175,7 @@ TEST(SequenceWire, HostileValuesAreRefused) {
        [](v1::Sequence& s) {
          s.mutable_cameras(2)->mutable_prior_format()->set_content(static_cast<v1::PriorContent>(5));
        }},
+      {"priors of no format", [](v1::Sequence& s) { s.mutable_cameras(2)->clear_prior_format(); }},
       {"no unit", [](v1::Sequence& s) { s.mutable_cameras(2)->mutable_prior_format()->set_unit(0); }},
       {"NaN unit", [](v1::Sequence& s) { s.mutable_cameras(2)->mutable_prior_format()->set_unit(kNaN); }},
       {"empty range of codes", [](v1::Sequence& s) { s.mutable_cameras(2)->mutable_prior_format()->set_z_far(2); }},
