@@ -5,7 +5,7 @@ set -euo pipefail
 
 build_packages=(
   g++ cmake ninja-build pkg-config
-  libeigen3-dev
+  libeigen3-dev libhwy-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
   libzmq3-dev cppzmq-dev
   libprotobuf-dev protobuf-compiler

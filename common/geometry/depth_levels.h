@@ -49,16 +49,21 @@ class LevelsInView {
  public:
   LevelsInView(const Camera& view, const DepthLevels& levels);
 
+  // axis . D of pixel (x, y): by how much depth in the reference grows along its ray; <= 0: it looks back.
+  [[nodiscard]] double Slope(double x, double y) const { return slope_x_ * x + slope_y_ * y + slope_1_; }
   // 1/z along the view's own axis where the ray of pixel (x, y) meets the plane at `depth_in_ref`; a result <= 0 (or
   // not finite) means that the ray does not meet it in front of the view.
   [[nodiscard]] double InverseDepth(double x, double y, double depth_in_ref) const {
-    return (slope_x_ * x + slope_y_ * y + slope_1_) / (depth_in_ref - center_depth_);
+    return Slope(x, y) / (depth_in_ref - center_depth_);
   }
   // The same by the plane's inverse depth, which may be 0 or negative: planes beyond infinity continue the ray's image
   // in other views. For planes with PlaneInFront only.
   [[nodiscard]] double InverseDepthOnPlane(double x, double y, double inverse_depth_in_ref) const {
-    return (slope_x_ * x + slope_y_ * y + slope_1_) * inverse_depth_in_ref /
-           (1.0 - inverse_depth_in_ref * center_depth_);
+    return Slope(x, y) * InversePerSlope(inverse_depth_in_ref);
+  }
+  // Its factor that is the plane's alone.
+  [[nodiscard]] double InversePerSlope(double inverse_depth_in_ref) const {
+    return inverse_depth_in_ref / (1.0 - inverse_depth_in_ref * center_depth_);
   }
   [[nodiscard]] bool PlaneInFront(double inverse_depth_in_ref) const {
     return inverse_depth_in_ref * center_depth_ < 1.0;
@@ -66,9 +71,7 @@ class LevelsInView {
   // depth_in_ref - center_depth: > 0 where the view's centre is in front of the plane.
   [[nodiscard]] double center_depth() const { return center_depth_; }
   // Depth in the reference camera of the point at own depth z on the ray of (x, y).
-  [[nodiscard]] double DepthInRef(double x, double y, double z) const {
-    return center_depth_ + z * (slope_x_ * x + slope_y_ * y + slope_1_);
-  }
+  [[nodiscard]] double DepthInRef(double x, double y, double z) const { return center_depth_ + z * Slope(x, y); }
 
  private:
   double slope_x_ = 0;  // axis . D(x, y) = slope_x x + slope_y y + slope_1

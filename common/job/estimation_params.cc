@@ -43,6 +43,10 @@ Status EstimationParams::Validate() const {
   }
   if (max_sweeps < 0 || max_sweeps > 1000)
     return OutOfRange("sweeps", max_sweeps, "1 to 1000, or auto: until nothing changes");
+  if (search == Search::kSparse && max_sweeps != 1) {
+    return InvalidArgument("sweeps is " + (max_sweeps == 0 ? "auto" : std::to_string(max_sweeps)) +
+                           ", expected 1 with the sparse search");
+  }
   if (neighbours < 1 || neighbours > 16) return OutOfRange("neighbors", neighbours, "1 to 16");
   if (refine_rounds < 0 || refine_rounds > 100)
     return OutOfRange("refine", refine_rounds, "1 to 100 rounds, or 0: depth levels");
@@ -70,6 +74,7 @@ Result<EstimationParams> Preset(const std::string& name) {
   if (name == "paper") {
     params.levels = 250;
     params.level_blocks = 1;
+    params.search = Search::kFull;
     params.max_sweeps = 0;
     params.uniqueness = 0;
     params.refine_rounds = 0;

@@ -10,12 +10,18 @@
 namespace depthfarm {
 
 // Any change that can change a depth map raises this number: jobs pin it, artifacts are named by it.
-inline constexpr std::uint32_t kAlgorithmVersion = 7;
+inline constexpr std::uint32_t kAlgorithmVersion = 8;
 
 // How depth levels are spread over the n tasks of a frame (paper IV-A, Fig. 2).
 enum class Partition {
   kContiguous,   // Fig. 2a: blocks of neighbouring levels
   kInterleaved,  // Fig. 2b: level l belongs to block l mod n
+};
+
+// Who may move to a level when levels are expanded (paper IV-B).
+enum class Search {
+  kFull,    // every segment to every level, as the paper
+  kSparse,  // from a good start, every segment to some levels, then each to those near its own and its neighbours'
 };
 
 // What a user may set for a job; the defaults are the paper's numbers where the paper gives one. 0 = choose ("auto").
@@ -34,8 +40,9 @@ struct EstimationParams {
   int i_threshold = 1;          // T_I of III-E
   int level_blocks = 0;         // n of IV-A; 0: from the job alone, see ResolveJob
   Partition partition = Partition::kInterleaved;
+  Search search = Search::kSparse;
   int max_sweeps = 1;       // sweeps over the levels of a block; 0: until no move lowers the energy. A second one finds
-                            // what no view shows (docs/method.md, 4)
+                            // what no view shows (docs/method.md, 4). kSparse has just one
   int neighbours = 2;       // views matched against each view; the paper's two
   int refine_rounds = 4;    // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
   bool confidence = false;  // also write how likely the depth of each pixel is right

@@ -17,9 +17,11 @@ constexpr int kMaxAutoLevels = 250;
 constexpr double kLevelPixels = 1;          // refinement finds what lies between levels a pixel apart, unless
 constexpr double kFewestSteps = 24;         // there are so few that they can as well be finer,
 constexpr double kFinalLevelPixels = 0.25;  // as they must be without it
-constexpr long long kSmallProblem =
-    2'000'000;  // segments x levels of all views: below, splitting costs more than it saves
+// Segments x levels of all views. With the full search, below kSmallProblem splitting costs more than it saves; the
+// sparse one is cheapest in one part, and is split for its memory alone, about 10 bytes each.
+constexpr long long kSmallProblem = 2'000'000;
 constexpr long long kLargeProblem = 20'000'000;
+constexpr long long kMostOfSparsePart = 40'000'000;
 
 // Of planes that are refined fewer are enough where pictures are large (docs/results.md, Segments of large pictures).
 int AutoSegments(int pixels, bool refined) {
@@ -115,6 +117,13 @@ void ResolveBlocks(ResolvedJob& job) {
   }
   long long entries = 0;
   for (const JobView& view : job.views) entries += static_cast<long long>(view.segments) * job.params.levels;
+  if (job.params.search == Search::kSparse) {
+    const long long parts = (entries + kMostOfSparsePart - 1) / kMostOfSparsePart;
+    job.level_blocks_i = static_cast<int>(std::clamp<long long>(parts, 1, std::max(1, job.params.levels / 8)));
+    job.level_blocks_p = (job.level_blocks_i + 1) / 2;
+    job.params.level_blocks = job.level_blocks_i;
+    return;
+  }
   job.level_blocks_i = entries < kSmallProblem ? 1 : std::clamp(job.params.levels / 8, 1, 8);
   job.level_blocks_p = entries < kLargeProblem ? 1 : std::min(2, job.level_blocks_i);
   job.params.level_blocks = job.level_blocks_i;

@@ -133,6 +133,7 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
   proto.set_level_blocks(static_cast<std::uint32_t>(params.level_blocks));
   proto.set_partition(params.partition == Partition::kContiguous ? v1::PARTITION_CONTIGUOUS
                                                                  : v1::PARTITION_INTERLEAVED);
+  proto.set_search(params.search == Search::kFull ? v1::SEARCH_FULL : v1::SEARCH_SPARSE);
   proto.set_max_sweeps(static_cast<std::uint32_t>(params.max_sweeps));
   proto.set_neighbours(static_cast<std::uint32_t>(params.neighbours));
   proto.set_refine_rounds(static_cast<std::uint32_t>(params.refine_rounds));
@@ -168,6 +169,10 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
     return InvalidArgument("partition is " + std::to_string(proto.partition()) + ", expected blocks or interleaved");
   }
   params.partition = proto.partition() == v1::PARTITION_CONTIGUOUS ? Partition::kContiguous : Partition::kInterleaved;
+  if (proto.search() != v1::SEARCH_FULL && proto.search() != v1::SEARCH_SPARSE) {
+    return InvalidArgument("search is " + std::to_string(proto.search()) + ", expected sparse or full");
+  }
+  params.search = proto.search() == v1::SEARCH_FULL ? Search::kFull : Search::kSparse;
   DEPTHFARM_RETURN_IF_ERROR(read("sweeps", proto.max_sweeps(), params.max_sweeps));
   DEPTHFARM_RETURN_IF_ERROR(read("neighbors", proto.neighbours(), params.neighbours));
   DEPTHFARM_RETURN_IF_ERROR(read("refine", proto.refine_rounds(), params.refine_rounds));

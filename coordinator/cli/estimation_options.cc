@@ -62,6 +62,22 @@ Status ParseFolder(std::string_view option, std::string_view text, std::string& 
   return {};
 }
 
+// How levels are searched: sparsely, or in full sweeps, so many or until nothing changes.
+Status ParseSweeps(std::string_view text, EstimationParams& params) {
+  if (text == "sparse") {
+    params.search = Search::kSparse;
+    params.max_sweeps = 1;
+    return {};
+  }
+  params.search = Search::kFull;
+  int sweeps = 0;
+  if (text != "auto" && (!ParseNumber(text, sweeps) || sweeps < 1)) {
+    return Refuse("sweeps", text, "sparse, auto or a whole number > 0");
+  }
+  params.max_sweeps = sweeps;
+  return {};
+}
+
 Status ParsePartition(std::string_view text, Partition& partition) {
   if (text == "blocks") {
     partition = Partition::kContiguous;
@@ -155,10 +171,10 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("neighbors", text, params.neighbours);
      }},
-    {"sweeps", "auto|N", "Sweeps over the levels of a block (default 1); auto: until no move lowers the energy",
-     [](std::string_view text, EstimationParams& params) {
-       return ParseAutoOrInteger("sweeps", text, params.max_sweeps);
-     }},
+    {"sweeps", "sparse|N|auto",
+     "sparse: from a good start, every segment to some levels, then to near ones (default); N: every segment to every "
+     "level, N times; auto: until nothing changes",
+     [](std::string_view text, EstimationParams& params) { return ParseSweeps(text, params); }},
     {"refine", "N", "Rounds that turn levels into slanted planes after the cut; 0: levels as they are; default 4",
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("refine", text, params.refine_rounds);

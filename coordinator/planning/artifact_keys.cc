@@ -56,7 +56,11 @@ ArtifactKey JobPart(const JobConfig& config) {
   KeyBuilder builder("job");
   builder.Add(config.algorithm_version).Add(params.levels).Add(params.z_near).Add(params.z_far).Add(params.smoothing);
   builder.Add(params.matching_window).Add(params.matching_offset).Add(params.p_threshold).Add(params.i_threshold);
-  builder.Add(params.uniqueness).Add(params.max_sweeps).Add(job.reference).Add(job.views.size());
+  builder.Add(params.uniqueness)
+      .Add(static_cast<int>(params.search))
+      .Add(params.max_sweeps)
+      .Add(job.reference)
+      .Add(job.views.size());
   for (const JobView& view : job.views) {
     builder.Add(view.camera).Add(view.neighbours.size());
     for (const int neighbour : view.neighbours) builder.Add(neighbour);

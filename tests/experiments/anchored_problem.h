@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/optimization/expansion.h"
 #include "worker/optimization/labelling_problem.h"
+#include "worker/optimization/level_search.h"
 
 namespace depthfarm {
 
@@ -17,7 +17,7 @@ class AnchoredProblem {
   AnchoredProblem(NodeIndex nodes, int num_levels) : nodes_(nodes) {
     problem_.num_nodes = nodes + static_cast<NodeIndex>(num_levels);
     problem_.matches_per_node = 1;
-    problem_.matches.resize(static_cast<std::size_t>(num_levels) * problem_.num_nodes);
+    rewards_.resize(static_cast<std::size_t>(num_levels) * nodes);
     problem_.fixed.assign(problem_.num_nodes, 0);
     for (int level = 0; level < num_levels; ++level) {
       problem_.levels.push_back(static_cast<Level>(level));
@@ -27,27 +27,37 @@ class AnchoredProblem {
 
   // A node that holds `level` is rewarded by so many match steps.
   void SetReward(int level, NodeIndex node, std::uint16_t steps) {
-    const std::size_t row = static_cast<std::size_t>(level) * problem_.num_nodes;
-    problem_.matches[row + node] = {nodes_ + static_cast<NodeIndex>(level), steps};
+    rewards_[static_cast<std::size_t>(level) * nodes_ + node] = steps;
   }
   [[nodiscard]] std::vector<SmoothnessLink>& smoothness() { return problem_.smoothness; }
 
   // Labels of the nodes after `sweeps` sweeps of alpha-expansion from each node's best level.
-  [[nodiscard]] std::vector<Level> Solve(int sweeps) const {
+  [[nodiscard]] std::vector<Level> Solve(int sweeps) {
+    problem_.matches = Matches();
     std::vector<Level> labels(problem_.num_nodes);
     for (std::size_t level = 0; level < problem_.levels.size(); ++level) {
       labels[nodes_ + level] = static_cast<Level>(level);
     }
     WinnerTakesAll(problem_, labels);
-    (void)ExpandToConvergence(problem_, labels, sweeps, {});
+    (void)SearchFully(problem_, labels, sweeps, {});
     labels.resize(nodes_);
     return labels;
   }
 
-  [[nodiscard]] const LabellingProblem& problem() const { return problem_; }
-
  private:
+  [[nodiscard]] MatchTable Matches() const {
+    MatchTable matches;
+    for (NodeIndex node = 0; node < problem_.num_nodes; ++node) {
+      for (std::size_t level = 0; level < problem_.levels.size() && node < nodes_; ++level) {
+        matches.Add(level, nodes_ + static_cast<NodeIndex>(level), rewards_[level * nodes_ + node]);
+      }
+      matches.EndNode();
+    }
+    return matches;
+  }
+
   NodeIndex nodes_;
+  std::vector<std::uint16_t> rewards_;  // [level][node], match steps
   LabellingProblem problem_;
 };
 

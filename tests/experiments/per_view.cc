@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -46,13 +45,12 @@ Result<std::vector<DepthMap>> PerViewOfFrame(const ResolvedJob& job, const std::
     std::vector<Level> levels;
     for (int level = begin; level < std::min(num_levels, begin + kLevelsAtOnce); ++level)
       levels.push_back(static_cast<Level>(level));
-    const std::vector<MatchLink> matches = frame.MatchesOnLevels(levels, {});
-    const MatchLink* match = matches.data();
-    for (const Level level : levels) {
-      for (NodeIndex node = 0; node < frame.num_nodes(); ++node, match += slots) {
-        const int reward = std::accumulate(match, match + slots, 0,
-                                           [](int sum, const MatchLink& link) { return sum + 2 * link.reward; });
-        problem.SetReward(level, node, static_cast<std::uint16_t>(reward));
+    const MatchTable matches = frame.MatchesOnLevels(levels, {});
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+      for (NodeIndex node = 0; node < frame.num_nodes(); ++node) {
+        int reward = 0;
+        for (const MatchTable::Match& match : matches.At(node, level)) reward += 2 * match.reward;
+        problem.SetReward(levels[level], node, static_cast<std::uint16_t>(reward));
       }
     }
   }

@@ -110,8 +110,7 @@ std::int64_t EnergyPlainly(const LabellingProblem& problem, const std::vector<Le
   }
   for (std::size_t l = 0; l < problem.levels.size(); ++l) {
     for (NodeIndex s = 0; s < problem.num_nodes; ++s) {
-      for (int slot = 0; slot < problem.matches_per_node; ++slot) {
-        const MatchLink& match = problem.Matches(l, s)[slot];
+      for (const MatchTable::Match& match : problem.matches.At(s, l)) {
         const bool agree = labels[s] == problem.levels[l] && labels[match.target] == problem.levels[l];
         if (agree) energy -= std::int64_t{match.reward} * 128;
       }
@@ -134,9 +133,7 @@ std::vector<Level> ExpandPlainly(const LabellingProblem& problem, const std::vec
   }
   for (std::size_t l = 0; l < problem.levels.size(); ++l) {
     for (NodeIndex s = 0; s < problem.num_nodes; ++s) {
-      for (int slot = 0; slot < problem.matches_per_node; ++slot) {
-        const MatchLink& match = problem.Matches(l, s)[slot];
-        if (match.reward == 0) continue;
+      for (const MatchTable::Match& match : problem.matches.At(s, l)) {
         std::int64_t value[2][2];
         for (const int xs : {0, 1}) {
           for (const int xt : {0, 1}) {

@@ -1,6 +1,9 @@
 #ifndef DEPTHFARM_TESTS_SUPPORT_RANDOM_PROBLEM_H_
 #define DEPTHFARM_TESTS_SUPPORT_RANDOM_PROBLEM_H_
 
+#include <vector>
+
+#include "tests/support/match_lists.h"
 #include "tests/support/random.h"
 #include "worker/optimization/labelling_problem.h"
 
@@ -20,15 +23,15 @@ inline RandomProblem MakeRandomProblem(Random& random, int nodes_per_view, int n
   problem.num_nodes = static_cast<NodeIndex>(nodes_per_view * num_views);
   for (int level = 0; level < num_levels; ++level) problem.levels.push_back(static_cast<Level>(2 * level + 1));
   problem.matches_per_node = 2;
-  problem.matches.resize(problem.levels.size() * problem.num_nodes * 2);
+  std::vector<MatchLink> matches(problem.levels.size() * problem.num_nodes * 2);
   const auto node_of = [&](int view, int segment) { return static_cast<NodeIndex>(view * nodes_per_view + segment); };
-  for (std::size_t i = 0; i < problem.matches.size(); ++i) {
+  for (std::size_t i = 0; i < matches.size(); ++i) {
     const int view = static_cast<int>((i / 2) % problem.num_nodes) / nodes_per_view;
     if (random.Chance(40)) continue;
     const int other = (view + random.Int(1, num_views - 1)) % num_views;
-    problem.matches[i] = {node_of(other, random.Int(0, nodes_per_view - 1)),
-                          static_cast<std::uint16_t>(random.Int(0, 270))};
+    matches[i] = {node_of(other, random.Int(0, nodes_per_view - 1)), static_cast<std::uint16_t>(random.Int(0, 270))};
   }
+  problem.matches = TableOf(matches, problem.levels.size(), problem.num_nodes, 2);
   for (int view = 0; view < num_views; ++view) {
     for (int s = 0; s < nodes_per_view; ++s) {
       for (int t = s + 1; t < nodes_per_view; ++t) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/depth_levels.h"
@@ -27,6 +28,14 @@ struct WindowDifference {
 // exact mean, so at most 9 * 765.
 [[nodiscard]] std::uint16_t MatchReward(const WindowDifference& difference, std::int32_t offset_steps);
 
+// The rewards of one segment against many places of a neighbour's picture, the same integers as MatchReward of
+// WindowColorDifference, on vectors for the paper's 3x3 window; 0 where a target is kNoTarget. Targets that repeat the
+// one before cost nothing. rewards: as many as targets.
+inline constexpr PixelPosition kNoTarget{-1, -1};
+void MatchRewards(const YcbcrImage& view, const YcbcrImage& neighbour, PixelPosition center,
+                  std::span<const PixelPosition> targets, int window, std::int32_t offset_steps,
+                  std::span<std::uint16_t> rewards);
+
 // K of eq. (5) in match steps.
 [[nodiscard]] std::int32_t MatchOffsetSteps(double matching_offset);
 
@@ -44,12 +53,21 @@ class MatchGeometry {
   // segment could be. none also where the plane is behind the view.
   [[nodiscard]] std::optional<PixelPosition> TargetOnPlane(PixelPosition center, double inverse_depth_in_ref) const;
 
+  // Planes as this view sees them: for each its inverse depth at a pixel over the pixel's slope (LevelsInView); not a
+  // number where it is behind the view.
+  using Planes = std::vector<double>;
+  [[nodiscard]] Planes PlanesOfLevels(std::span<const Level> levels) const;
+  [[nodiscard]] Planes PlanesAt(std::span<const double> inverse_depths_in_ref) const;
+  // Target or TargetOnPlane on each of many planes (the same pixels, on vectors); kNoTarget for none. targets: as many
+  // as planes.
+  void Targets(PixelPosition center, const Planes& planes, std::span<PixelPosition> targets) const;
+
  private:
   [[nodiscard]] std::optional<PixelPosition> TargetAt(PixelPosition center, double inverse_depth) const;
 
   LevelsInView in_view_;
   Reprojection neighbour_from_view_;
-  std::vector<double> depth_in_ref_;  // per level
+  Planes per_slope_;  // per level
   int neighbour_width_;
   int neighbour_height_;
 };

@@ -8,7 +8,8 @@
 #include "common/job/level_partition.h"
 #include "worker/estimation/frame_problem.h"
 #include "worker/merging/fusion.h"
-#include "worker/optimization/expansion.h"
+#include "worker/optimization/belief_start.h"
+#include "worker/optimization/level_search.h"
 #include "worker/temporal/unchanged.h"
 
 namespace depthfarm {
@@ -41,6 +42,17 @@ void AdoptDepth(const ResolvedJob& job, const FrameAnalysis& analysis, const Tem
   }
 }
 
+SearchSummary SearchLevels(const EstimationParams& params, const FrameProblem& frame, const LabellingProblem& problem,
+                           std::vector<Level>& labels, const std::stop_token& stop) {
+  if (params.search == Search::kFull) {
+    WinnerTakesAll(problem, labels);
+    return SearchFully(problem, labels, params.max_sweeps, stop);
+  }
+  constexpr int kBeliefPasses = 2;  // a third gains nothing
+  BeliefStart(problem, frame.Grids(), kBeliefPasses, labels, stop);
+  return SearchSparsely(problem, labels, stop);
+}
+
 }  // namespace
 
 Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
@@ -66,8 +78,7 @@ Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& an
   problem.matches = frame.MatchesOnLevels(problem.levels, problem.fixed, labels, stop);
   if (stop.stop_requested()) return Cancelled();
 
-  WinnerTakesAll(problem, labels);
-  const ExpansionSummary summary = ExpandToConvergence(problem, labels, job.params.max_sweeps, stop);
+  const SearchSummary summary = SearchLevels(job.params, frame, problem, labels, stop);
   if (summary.cancelled) return Cancelled();
   if (stats != nullptr) {
     stats->sweeps = summary.sweeps;

@@ -10,13 +10,10 @@
 #include "common/geometry/neighbours.h"
 #include "worker/cost/smoothness.h"
 #include "worker/cost/uniqueness.h"
+#include "worker/segmentation/seed_grid.h"
 
 namespace depthfarm {
-namespace {
-
-constexpr NodeIndex kTileNodes = 64;  // nodes x levels x 8 bytes of a tile stay in the cache while they are transposed
-
-}  // namespace
+namespace {}  // namespace
 
 FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis, std::shared_ptr<RewardFloors> floors)
     : job_(job),
@@ -39,13 +36,39 @@ FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis
     for (const int neighbour : job.views[view_index].neighbours) {
       const Camera& other = job.views[static_cast<std::size_t>(neighbour)].camera;
       const Camera& camera = job.views[view_index].camera;
-      pairs.push_back({neighbour, MatchGeometry(camera, other, levels),
-                       FloorPlanes(levels, DisparityRange(camera, other, levels))});
+      MatchGeometry geometry(camera, other, levels);
+      MatchGeometry::Planes floor_planes =
+          geometry.PlanesAt(FloorPlanes(levels, DisparityRange(camera, other, levels)));
+      pairs.push_back({neighbour, std::move(geometry), std::move(floor_planes)});
     }
     matches_per_node_ = std::max(matches_per_node_, static_cast<int>(pairs.size()));
     pairs_.push_back(std::move(pairs));
   }
   floors_->Resize(num_nodes() * static_cast<std::size_t>(matches_per_node_));
+}
+
+std::vector<SegmentGrid> FrameProblem::Grids() const {
+  const SmoothnessCost cost(job_.params.smoothing, job_.params.levels);
+  std::vector<SegmentGrid> grids;
+  for (int view_index = 0; view_index < job_.num_views(); ++view_index) {
+    const auto v = static_cast<std::size_t>(view_index);
+    const JobView& view = job_.views[v];
+    const std::vector<MeanColor>& means = analysis_[v]->segments.means;
+    const Result<SeedGrid> seeds = SeedGrid::Create(view.camera.width, view.camera.height, view.segments);
+    SegmentGrid grid{.first = offset(view_index), .columns = 0, .rows = 1, .beta_right = {}, .beta_down = {}};
+    grid.columns = static_cast<int>(means.size());
+    if (seeds.ok() && static_cast<std::size_t>(seeds.value().num_segments()) == means.size()) {
+      grid.columns = seeds.value().columns();
+      grid.rows = seeds.value().rows();
+    }
+    const auto columns = static_cast<std::size_t>(grid.columns);
+    for (std::size_t s = 0; s < means.size(); ++s) {
+      grid.beta_right.push_back(s + 1 < means.size() ? cost.Beta(means[s], means[s + 1]) : 0);
+      grid.beta_down.push_back(s + columns < means.size() ? cost.Beta(means[s], means[s + columns]) : 0);
+    }
+    grids.push_back(std::move(grid));
+  }
+  return grids;
 }
 
 FrameProblem::Matcher FrameProblem::MatcherOf(int view_index, int slot, NodeIndex segment) const {
@@ -56,9 +79,9 @@ FrameProblem::Matcher FrameProblem::MatcherOf(int view_index, int slot, NodeInde
           node * static_cast<std::size_t>(matches_per_node_) + s};
 }
 
-NodeIndex FrameProblem::NodeAt(const Matcher& matcher, PixelPosition target) const {
-  const auto neighbour = static_cast<std::size_t>(matcher.pair.neighbour);
-  return offset(matcher.pair.neighbour) + analysis_[neighbour]->segments.labels(target.x, target.y);
+NodeIndex FrameProblem::NodeAt(const Pair& pair, PixelPosition target) const {
+  const auto neighbour = static_cast<std::size_t>(pair.neighbour);
+  return offset(pair.neighbour) + analysis_[neighbour]->segments.labels(target.x, target.y);
 }
 
 std::uint16_t FrameProblem::FullReward(const Matcher& matcher, PixelPosition target) const {
@@ -74,7 +97,7 @@ MatchLink FrameProblem::MatchAt(const Matcher& matcher, PixelPosition target) co
   if (reward != 0 && job_.params.uniqueness != 0) {
     reward = static_cast<std::uint16_t>(reward - std::min(reward, Floor(matcher)));
   }
-  return {NodeAt(matcher, target), reward};
+  return {NodeAt(matcher.pair, target), reward};
 }
 
 std::uint16_t FrameProblem::Floor(const Matcher& matcher) const {
@@ -84,75 +107,122 @@ std::uint16_t FrameProblem::Floor(const Matcher& matcher) const {
 }
 
 std::uint16_t FrameProblem::MeasureFloor(const Matcher& matcher) const {
+  std::array<PixelPosition, kFloorPlanes> targets;
   std::array<std::uint16_t, kFloorPlanes> rewards{};
-  std::size_t count = 0;
-  for (const double plane : matcher.pair.floor_planes) {
-    const std::optional<PixelPosition> target = matcher.pair.geometry.TargetOnPlane(matcher.center, plane);
-    if (target) rewards[count++] = FullReward(matcher, *target);
-  }
-  return count == 0 ? std::uint16_t{0} : RewardFloor({rewards.data(), count}, job_.params.uniqueness);
+  matcher.pair.geometry.Targets(matcher.center, matcher.pair.floor_planes, targets);
+  const auto end = std::remove(targets.begin(), targets.end(), kNoTarget);
+  const auto count = static_cast<std::size_t>(end - targets.begin());
+  if (count == 0) return 0;
+  RewardsAt(matcher, {targets.data(), count}, {rewards.data(), count});
+  return RewardFloor({rewards.data(), count}, job_.params.uniqueness);
 }
 
-// tile: [level index][node - begin]
-void FrameProblem::FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const Choices& choices,
-                            std::vector<MatchLink>& tile) const {
-  const std::vector<Level>& levels = choices.levels;
-  for (NodeIndex segment = begin; segment < end; ++segment) {
-    const Matcher matcher = MatcherOf(view_index, slot, segment);
-    const MatchGeometry& geometry = matcher.pair.geometry;
-    const NodeIndex node = offset(view_index) + segment;
-    if (choices.fixed[node] != 0) {
-      for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
-        MatchLink& match = tile[level_index * kTileNodes + (segment - begin)];
-        match = {};
-        if (levels[level_index] != choices.labels[node]) continue;
-        const std::optional<PixelPosition> target = geometry.Target(matcher.center, levels[level_index]);
-        if (target && choices.fixed[NodeAt(matcher, *target)] == 0) match = MatchAt(matcher, *target);
-      }
-      continue;
-    }
-    std::optional<PixelPosition> last;
-    MatchLink match;
-    for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
-      const std::optional<PixelPosition> target = geometry.Target(matcher.center, levels[level_index]);
-      if (!target) {
-        match = {};
-      } else if (target != last) {
-        match = MatchAt(matcher, *target);
-      }
-      last = target;
-      tile[level_index * kTileNodes + (segment - begin)] = match;
-    }
-  }
+void FrameProblem::RewardsAt(const Matcher& matcher, std::span<const PixelPosition> targets,
+                             std::span<std::uint16_t> rewards) const {
+  MatchRewards(analysis_[static_cast<std::size_t>(matcher.view_index)]->picture,
+               analysis_[static_cast<std::size_t>(matcher.pair.neighbour)]->picture, matcher.center, targets,
+               job_.params.matching_window, offset_steps_, rewards);
 }
 
-std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& levels,
-                                                     const std::stop_token& stop) const {
+int FrameProblem::ViewOf(NodeIndex node) const {
+  return static_cast<int>(std::upper_bound(offsets_.begin(), offsets_.end(), node) - offsets_.begin()) - 1;
+}
+
+// Fills a table node by node; keeps what the nodes share.
+class FrameProblem::TableFiller {
+ public:
+  TableFiller(const FrameProblem& frame, const std::vector<Level>& levels, const std::vector<std::uint8_t>& fixed,
+              const std::vector<Level>& labels)
+      : frame_(frame), levels_(levels), fixed_(fixed), labels_(labels) {
+    for (const std::vector<Pair>& pairs : frame.pairs_) {
+      std::vector<MatchGeometry::Planes>& of_view = planes_.emplace_back();
+      for (const Pair& pair : pairs) of_view.push_back(pair.geometry.PlanesOfLevels(levels));
+    }
+  }
+
+  // The nodes [begin, end).
+  [[nodiscard]] MatchTable Fill(NodeIndex begin, NodeIndex end) const {
+    MatchTable table;
+    Row row(levels_.size(), static_cast<std::size_t>(frame_.matches_per_node_));
+    for (NodeIndex node = begin; node < end; ++node) {
+      if (fixed_[node] != 0) {
+        AddFixed(node, table);
+      } else {
+        AddFree(node, row, table);
+      }
+      table.EndNode();
+    }
+    return table;
+  }
+
+ private:
+  struct Row {  // [slot][level]
+    Row(std::size_t levels, std::size_t slots) : targets(levels * slots), rewards(levels * slots) {}
+    std::vector<PixelPosition> targets;
+    std::vector<std::uint16_t> rewards;
+  };
+
+  [[nodiscard]] int SlotsOf(int view_index) const {
+    return static_cast<int>(frame_.pairs_[static_cast<std::size_t>(view_index)].size());
+  }
+
+  void AddFixed(NodeIndex node, MatchTable& table) const {
+    const auto level = std::lower_bound(levels_.begin(), levels_.end(), labels_[node]);
+    if (level == levels_.end() || *level != labels_[node]) return;
+    const int view_index = frame_.ViewOf(node);
+    for (int slot = 0; slot < SlotsOf(view_index); ++slot) {
+      const Matcher matcher = frame_.MatcherOf(view_index, slot, node - frame_.offset(view_index));
+      const std::optional<PixelPosition> target = matcher.pair.geometry.Target(matcher.center, *level);
+      if (!target || fixed_[frame_.NodeAt(matcher.pair, *target)] != 0) continue;
+      const MatchLink match = frame_.MatchAt(matcher, *target);
+      table.Add(static_cast<std::size_t>(level - levels_.begin()), match.target, match.reward);
+    }
+  }
+
+  void AddFree(NodeIndex node, Row& row, MatchTable& table) const {
+    const int view_index = frame_.ViewOf(node);
+    const int slots = SlotsOf(view_index);
+    const std::size_t width = levels_.size();
+    for (int slot = 0; slot < slots; ++slot) {
+      const auto s = static_cast<std::size_t>(slot);
+      const Matcher matcher = frame_.MatcherOf(view_index, slot, node - frame_.offset(view_index));
+      const std::span<PixelPosition> targets(row.targets.data() + s * width, width);
+      const std::span<std::uint16_t> rewards(row.rewards.data() + s * width, width);
+      matcher.pair.geometry.Targets(matcher.center, planes_[static_cast<std::size_t>(view_index)][s], targets);
+      frame_.RewardsAt(matcher, targets, rewards);
+      if (frame_.job_.params.uniqueness == 0 || std::all_of(rewards.begin(), rewards.end(), IsZero)) continue;
+      const std::uint16_t floor = frame_.Floor(matcher);
+      for (std::uint16_t& reward : rewards) reward = static_cast<std::uint16_t>(reward - std::min(reward, floor));
+    }
+    for (std::size_t level = 0; level < width; ++level) {
+      for (int slot = 0; slot < slots; ++slot) {
+        const std::size_t i = static_cast<std::size_t>(slot) * width + level;
+        if (row.rewards[i] == 0) continue;
+        const Pair& pair = frame_.pairs_[static_cast<std::size_t>(view_index)][static_cast<std::size_t>(slot)];
+        table.Add(level, frame_.NodeAt(pair, row.targets[i]), row.rewards[i]);
+      }
+    }
+  }
+
+  static bool IsZero(std::uint16_t reward) { return reward == 0; }
+
+  const FrameProblem& frame_;
+  const std::vector<Level>& levels_;
+  const std::vector<std::uint8_t>& fixed_;
+  const std::vector<Level>& labels_;
+  std::vector<std::vector<MatchGeometry::Planes>> planes_;  // [view][slot]
+};
+
+MatchTable FrameProblem::MatchesOnLevels(const std::vector<Level>& levels, const std::stop_token& stop) const {
   return MatchesOnLevels(levels, std::vector<std::uint8_t>(num_nodes(), 0), std::vector<Level>(num_nodes()), stop);
 }
 
-std::vector<MatchLink> FrameProblem::MatchesOnLevels(const std::vector<Level>& levels,
-                                                     const std::vector<std::uint8_t>& fixed,
-                                                     const std::vector<Level>& labels,
-                                                     const std::stop_token& stop) const {
-  const auto width = static_cast<std::size_t>(matches_per_node_);
-  std::vector<MatchLink> matches(levels.size() * num_nodes() * width);
-  std::vector<MatchLink> tile(levels.size() * kTileNodes);
-  for (int view_index = 0; view_index < job_.num_views(); ++view_index) {
-    const NodeIndex segments = offset(view_index + 1) - offset(view_index);
-    const int slots = static_cast<int>(pairs_[static_cast<std::size_t>(view_index)].size());
-    for (int slot = 0; slot < slots; ++slot) {
-      for (NodeIndex begin = 0; begin < segments; begin += kTileNodes) {
-        if (stop.stop_requested()) return {};
-        const NodeIndex end = std::min(begin + kTileNodes, segments);
-        FillTile(view_index, slot, begin, end, {levels, fixed, labels}, tile);
-        for (std::size_t level_index = 0; level_index < levels.size(); ++level_index) {
-          MatchLink* row = matches.data() + (level_index * num_nodes() + offset(view_index) + begin) * width;
-          const MatchLink* from = tile.data() + level_index * kTileNodes;
-          for (NodeIndex i = 0; i < end - begin; ++i) row[i * width + static_cast<std::size_t>(slot)] = from[i];
-        }
-      }
-    }
+MatchTable FrameProblem::MatchesOnLevels(const std::vector<Level>& levels, const std::vector<std::uint8_t>& fixed,
+                                         const std::vector<Level>& labels, const std::stop_token& stop) const {
+  const TableFiller filler(*this, levels, fixed, labels);
+  MatchTable matches;
+  for (NodeIndex begin = 0; begin < num_nodes() && !stop.stop_requested(); begin += MatchTable::kChunkNodes) {
+    matches.Append(filler.Fill(begin, std::min(begin + MatchTable::kChunkNodes, num_nodes())));
   }
   return matches;
 }
@@ -169,7 +239,7 @@ std::vector<MatchLink> FrameProblem::MatchesOnOwnLevels(const std::vector<Level>
       for (int slot = 0; slot < slots; ++slot) {
         const Matcher matcher = MatcherOf(view_index, slot, segment);
         const std::optional<PixelPosition> target = matcher.pair.geometry.Target(matcher.center, labels[node]);
-        if (!target || (fixed[node] != 0 && fixed[NodeAt(matcher, *target)] != 0)) continue;
+        if (!target || (fixed[node] != 0 && fixed[NodeAt(matcher.pair, *target)] != 0)) continue;
         matches[matcher.index] = MatchAt(matcher, *target);
       }
     }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "worker/estimation/estimation.h"
 #include "worker/estimation/reward_floors.h"
 #include "worker/merging/fusion.h"
+#include "worker/optimization/belief_start.h"
 #include "worker/optimization/labelling_problem.h"
 
 namespace depthfarm {
@@ -28,18 +30,16 @@ class FrameProblem {
   [[nodiscard]] NodeIndex offset(int view_index) const { return offsets_[static_cast<std::size_t>(view_index)]; }
   [[nodiscard]] const std::vector<SmoothnessLink>& smoothness() const { return smoothness_; }
   [[nodiscard]] int matches_per_node() const { return matches_per_node_; }
+  // Each view's segments as the grid of their seeds.
+  [[nodiscard]] std::vector<SegmentGrid> Grids() const;
 
-  // The matches of every node on every level of `levels` ([level index][node][slot]); of a node that is fixed (per
-  // node: not 0) only those with free nodes on the level it holds: the others it never takes, or they are constants.
-  // Work: levels x free nodes x D windows, less those of levels that fall on the same pixel as the one before. Empty
-  // when cancelled.
-  [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
-                                                       const std::vector<std::uint8_t>& fixed,
-                                                       const std::vector<Level>& labels,
-                                                       const std::stop_token& stop) const;
+  // The matches of every node on every level of `levels`; of a node that is fixed (per node: not 0) only those with
+  // free nodes on the level it holds: the others it never takes, or they are constants. Work: levels x free nodes x D
+  // windows, less those of levels that fall on the same pixel as the one before. Not whole when cancelled.
+  [[nodiscard]] MatchTable MatchesOnLevels(const std::vector<Level>& levels, const std::vector<std::uint8_t>& fixed,
+                                           const std::vector<Level>& labels, const std::stop_token& stop) const;
   // The same with nothing fixed.
-  [[nodiscard]] std::vector<MatchLink> MatchesOnLevels(const std::vector<Level>& levels,
-                                                       const std::stop_token& stop) const;
+  [[nodiscard]] MatchTable MatchesOnLevels(const std::vector<Level>& levels, const std::stop_token& stop) const;
 
   // The matches of every node on the level it holds ([node][slot]), less those between fixed ones.
   [[nodiscard]] std::vector<MatchLink> MatchesOnOwnLevels(const std::vector<Level>& labels,
@@ -54,7 +54,7 @@ class FrameProblem {
   struct Pair {  // one view matched against one of its neighbours
     int neighbour = 0;
     MatchGeometry geometry;
-    std::vector<double> floor_planes;  // where floors are measured: inverse depths in the reference camera
+    MatchGeometry::Planes floor_planes;  // where floors are measured
   };
   // One segment matched against one neighbour.
   struct Matcher {
@@ -64,21 +64,18 @@ class FrameProblem {
     std::size_t index = 0;  // of its floor: node x D + slot
   };
   [[nodiscard]] Matcher MatcherOf(int view_index, int slot, NodeIndex segment) const;
-  [[nodiscard]] NodeIndex NodeAt(const Matcher& matcher, PixelPosition target) const;
+  [[nodiscard]] NodeIndex NodeAt(const Pair& pair, PixelPosition target) const;
+  [[nodiscard]] int ViewOf(NodeIndex node) const;
   // Against what the neighbour shows at `target`.
   [[nodiscard]] MatchLink MatchAt(const Matcher& matcher, PixelPosition target) const;
   [[nodiscard]] std::uint16_t FullReward(const Matcher& matcher, PixelPosition target) const;  // eq. (5)
   // Asked for only where there is a reward: many matches never are measured.
   [[nodiscard]] std::uint16_t Floor(const Matcher& matcher) const;
   [[nodiscard]] std::uint16_t MeasureFloor(const Matcher& matcher) const;
-  // What the nodes of a frame may take.
-  struct Choices {
-    const std::vector<Level>& levels;
-    const std::vector<std::uint8_t>& fixed;
-    const std::vector<Level>& labels;
-  };
-  void FillTile(int view_index, int slot, NodeIndex begin, NodeIndex end, const Choices& choices,
-                std::vector<MatchLink>& tile) const;
+  // Against what the neighbour shows at many targets.
+  void RewardsAt(const Matcher& matcher, std::span<const PixelPosition> targets,
+                 std::span<std::uint16_t> rewards) const;
+  class TableFiller;
 
   const ResolvedJob& job_;
   const FrameAnalysis& analysis_;

@@ -43,6 +43,7 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"levelBlocksI", integer(job.level_blocks_i)},
       {"levelBlocksP", integer(job.level_blocks_p)},
       {"partition", params.partition == Partition::kContiguous ? "blocks" : "interleaved"},
+      {"search", params.search == Search::kFull ? "full" : "sparse"},
       {"maxSweeps", integer(params.max_sweeps)},
       {"neighbours", integer(params.neighbours)},
       {"refineRounds", integer(params.refine_rounds)},

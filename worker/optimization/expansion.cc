@@ -1,9 +1,7 @@
 #include "worker/optimization/expansion.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdlib>
-#include <iterator>
 
 namespace depthfarm {
 namespace {
@@ -22,91 +20,141 @@ int DistanceFromInterval(Level alpha, Level a, Level b) {
 Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels)
     : problem_(problem),
       labels_(labels),
-      in_graph_(problem.num_nodes),
-      held_(static_cast<std::size_t>(problem.num_nodes) * static_cast<std::size_t>(problem.matches_per_node)) {
+      width_(static_cast<std::size_t>(std::max(problem.matches_per_node, 1))),
+      held_(problem.num_nodes * width_),
+      moves_(problem.num_nodes, 0),
+      gathered_(problem.num_nodes, 0),
+      in_graph_(problem.num_nodes) {
   const auto is_free = [&](NodeIndex node) { return problem.fixed[node] == 0; };
   for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
-    in_graph_[node] = static_cast<MaxFlow::Node>(free_.size());
-    if (is_free(node)) free_.push_back(node);
-    const int level_index = LevelIndex(problem, labels[node]);
-    if (level_index < 0) continue;
-    const MatchLink* matches = problem.Matches(static_cast<std::size_t>(level_index), node);
-    HoldMatches(node, matches);
-    const auto rewards_free = [&](const MatchLink& match) { return match.reward != 0 && is_free(match.target); };
-    if (!is_free(node) && std::any_of(matches, matches + problem.matches_per_node, rewards_free)) {
-      rewarding_.push_back(node);
+    HoldMatches(node);
+    if (is_free(node)) {
+      free_.push_back(node);
+      continue;
     }
+    const auto held = held_.begin() + static_cast<std::ptrdiff_t>(node * width_);
+    const auto rewards_free = [&](const MatchLink& match) { return match.reward != 0 && is_free(match.target); };
+    if (std::any_of(held, held + static_cast<std::ptrdiff_t>(width_), rewards_free)) rewarding_.push_back(node);
   }
-  std::copy_if(problem.smoothness.begin(), problem.smoothness.end(), std::back_inserter(smoothness_),
-               [&](const SmoothnessLink& link) { return is_free(link.first) || is_free(link.second); });
-  terminal_.resize(free_.size());
+  BuildLinks();
   energy_ = TotalEnergy(problem, labels);
 }
 
-void Expansion::HoldMatches(NodeIndex node, const MatchLink* matches) {
-  const auto width = static_cast<std::size_t>(problem_.matches_per_node);
-  std::copy(matches, matches + width, held_.begin() + static_cast<std::ptrdiff_t>(node * width));
+void Expansion::BuildLinks() {
+  const auto counts = [&](const SmoothnessLink& link) {
+    return problem_.fixed[link.first] == 0 || problem_.fixed[link.second] == 0;
+  };
+  link_begin_.assign(std::size_t{problem_.num_nodes} + 1, 0);
+  for (const SmoothnessLink& link : problem_.smoothness) {
+    if (!counts(link)) continue;
+    ++link_begin_[link.first + 1];
+    ++link_begin_[link.second + 1];
+  }
+  for (std::size_t node = 1; node < link_begin_.size(); ++node) link_begin_[node] += link_begin_[node - 1];
+  links_.resize(link_begin_.back());
+  std::vector<std::uint32_t> next(link_begin_.begin(), link_begin_.end() - 1);
+  for (const SmoothnessLink& link : problem_.smoothness) {
+    if (!counts(link)) continue;
+    links_[next[link.first]++] = {link.second, link.beta};
+    links_[next[link.second]++] = {link.first, link.beta};
+  }
 }
 
-void Expansion::AddSmoothness(Level alpha) {
-  for (const SmoothnessLink& link : smoothness_) {
-    const Level s = labels_[link.first];
-    const Level t = labels_[link.second];
-    const bool s_constant = IsConstant(link.first, alpha);
-    const bool t_constant = IsConstant(link.second, alpha);
-    if (s_constant && t_constant) continue;
+void Expansion::HoldMatches(NodeIndex node) {
+  const auto place = static_cast<Place>(node * width_);
+  if (indexed_) {
+    for (Place p = place; p < place + width_; ++p) Delist(p);
+  }
+  std::fill_n(held_.begin() + place, width_, MatchLink{});
+  const int level = LevelIndex(problem_, labels_[node]);
+  if (level < 0) return;
+  Place p = place;
+  for (const MatchTable::Match& match : problem_.matches.At(node, static_cast<std::size_t>(level))) {
+    held_[p] = {match.target, match.reward};
+    if (indexed_) Enlist(p);
+    ++p;
+  }
+}
+
+void Expansion::IndexHolders() {
+  indexed_ = true;
+  first_holder_.assign(problem_.num_nodes, kNoPlace);
+  next_holder_.assign(held_.size(), kNoPlace);
+  prior_holder_.assign(held_.size(), kNoPlace);
+  for (Place place = 0; place < held_.size(); ++place) {
+    if (held_[place].reward != 0) Enlist(place);
+  }
+  holders_of_level_.assign(problem_.levels.size(), {});
+  for (NodeIndex node = 0; node < problem_.num_nodes; ++node) {
+    const int level = LevelIndex(problem_, labels_[node]);
+    if (level >= 0) holders_of_level_[static_cast<std::size_t>(level)].push_back(node);
+  }
+}
+
+void Expansion::Enlist(Place place) {
+  const NodeIndex target = held_[place].target;
+  next_holder_[place] = first_holder_[target];
+  prior_holder_[place] = kNoPlace;
+  if (first_holder_[target] != kNoPlace) prior_holder_[first_holder_[target]] = place;
+  first_holder_[target] = place;
+}
+
+void Expansion::Delist(Place place) {
+  if (held_[place].reward == 0) return;
+  const Place next = next_holder_[place];
+  const Place prior = prior_holder_[place];
+  if (next != kNoPlace) prior_holder_[next] = prior;
+  (prior != kNoPlace ? next_holder_[prior] : first_holder_[held_[place].target]) = next;
+}
+
+void Expansion::BeginGraph(const std::vector<NodeIndex>& nodes, const Move& move) {
+  movers_.clear();
+  for (const NodeIndex node : nodes) {
+    if (problem_.fixed[node] != 0 || labels_[node] == move.alpha) continue;
+    moves_[node] = time_;
+    in_graph_[node] = static_cast<MaxFlow::Node>(movers_.size());
+    movers_.push_back(node);
+  }
+  flow_.Reset(static_cast<MaxFlow::Node>(movers_.size()));
+  terminal_.assign(movers_.size(), 0);
+}
+
+void Expansion::AddSmoothness(NodeIndex node, const Move& move) {
+  const Level s = labels_[node];
+  for (std::uint32_t i = link_begin_[node]; i < link_begin_[node + 1]; ++i) {
+    const Link& link = links_[i];
+    const Level t = labels_[link.other];
     const std::int64_t beta = link.beta;
     const std::int64_t keep_both = beta * Distance(s, t);
-    if (t_constant) {
-      Terminal(link.first) += beta * Distance(alpha, t) - keep_both;
-    } else if (s_constant) {
-      Terminal(link.second) += beta * Distance(s, alpha) - keep_both;
+    if (!Moves(link.other)) {
+      Terminal(node) += beta * Distance(move.alpha, t) - keep_both;
+    } else if (node < link.other) {  // once
+      const std::int64_t apart = beta * DistanceFromInterval(move.alpha, s, t);
+      Terminal(node) += beta * Distance(move.alpha, t) - keep_both - apart;
+      Terminal(link.other) += beta * Distance(s, move.alpha) - keep_both - apart;
+      if (apart != 0) flow_.AddEdge(InGraph(node), InGraph(link.other), static_cast<std::int32_t>(apart));
+    }
+  }
+}
+
+void Expansion::AddMatches(NodeIndex node, const Move& move) {
+  for (std::size_t slot = 0; slot < width_; ++slot) {
+    const MatchLink& keep = held_[node * width_ + slot];
+    if (keep.reward == 0 || labels_[keep.target] != labels_[node]) continue;
+    const std::int32_t reward = keep.RewardUnits();
+    if (!Moves(keep.target)) {
+      Terminal(node) += reward;  // lost when the node leaves
     } else {
-      const std::int64_t apart = beta * DistanceFromInterval(alpha, s, t);
-      Terminal(link.first) += beta * Distance(alpha, t) - keep_both - apart;
-      Terminal(link.second) += beta * Distance(s, alpha) - keep_both - apart;
-      if (apart != 0) flow_.AddEdge(InGraph(link.first), InGraph(link.second), static_cast<std::int32_t>(apart));
+      Terminal(node) += reward / 2;
+      Terminal(keep.target) += reward / 2;
+      flow_.AddEdge(InGraph(node), InGraph(keep.target), reward / 2);
     }
   }
-}
-
-// A constant node's reward depends only on its target: it is gained if the target takes alpha, or lost if it leaves.
-void Expansion::AddMatchesOfConstant(NodeIndex node, Level alpha) {
-  const bool holds_alpha = labels_[node] == alpha;
-  const auto width = static_cast<std::size_t>(problem_.matches_per_node);
-  const MatchLink* held = held_.data() + node * width;
-  for (std::size_t slot = 0; slot < width; ++slot) {
-    const MatchLink& match = held[slot];
-    if (match.reward == 0 || IsConstant(match.target, alpha)) continue;
-    if (holds_alpha) {
-      Terminal(match.target) -= match.RewardUnits();
-    } else if (labels_[match.target] == labels_[node]) {
-      Terminal(match.target) += match.RewardUnits();
-    }
-  }
-}
-
-void Expansion::AddMatchesOfFree(NodeIndex node, const MatchLink* at_alpha, Level alpha) {
-  const auto width = static_cast<std::size_t>(problem_.matches_per_node);
-  const MatchLink* held = held_.data() + node * width;
-  for (std::size_t slot = 0; slot < width; ++slot) {
-    const MatchLink& keep = held[slot];
-    if (keep.reward != 0 && labels_[keep.target] == labels_[node]) {
-      const std::int32_t reward = keep.RewardUnits();
-      if (IsConstant(keep.target, alpha)) {
-        Terminal(node) += reward;  // lost when the node leaves
-      } else {
-        Terminal(node) += reward / 2;
-        Terminal(keep.target) += reward / 2;
-        flow_.AddEdge(InGraph(node), InGraph(keep.target), reward / 2);
-      }
-    }
-    const MatchLink& take = at_alpha[slot];
-    if (take.reward == 0) continue;
+  for (const MatchTable::Match& take : problem_.matches.At(node, move.level)) {
     const std::int32_t reward = take.RewardUnits();
-    if (labels_[take.target] == alpha) {
+    if (labels_[take.target] == move.alpha) {
       Terminal(node) -= reward;
-    } else if (problem_.fixed[take.target] == 0) {
+    } else if (Moves(take.target)) {
       Terminal(node) -= reward / 2;
       Terminal(take.target) -= reward / 2;
       flow_.AddEdge(InGraph(node), InGraph(take.target), reward / 2);
@@ -114,24 +162,16 @@ void Expansion::AddMatchesOfFree(NodeIndex node, const MatchLink* at_alpha, Leve
   }
 }
 
-void Expansion::AddMatches(std::size_t level_index, Level alpha) {
-  for (const NodeIndex node : free_) {
-    if (labels_[node] == alpha) {
-      AddMatchesOfConstant(node, alpha);
-    } else {
-      AddMatchesOfFree(node, problem_.Matches(level_index, node), alpha);
-    }
+void Expansion::AddMatchOfConstant(NodeIndex node, const MatchLink& match, const Move& move) {
+  if (match.reward == 0 || !Moves(match.target)) return;
+  if (labels_[node] == move.alpha) {
+    Terminal(match.target) -= match.RewardUnits();
+  } else if (labels_[match.target] == labels_[node]) {
+    Terminal(match.target) += match.RewardUnits();
   }
-  for (const NodeIndex node : rewarding_) AddMatchesOfConstant(node, alpha);
 }
 
-std::int64_t Expansion::Expand(std::size_t level_index) {
-  const Level alpha = problem_.levels[level_index];
-  flow_.Reset(static_cast<MaxFlow::Node>(free_.size()));
-  std::fill(terminal_.begin(), terminal_.end(), 0);
-  AddSmoothness(alpha);
-  AddMatches(level_index, alpha);
-
+std::int64_t Expansion::Solve(const Move& move) {
   // Least E - E(keep all) = (sum of the negative linear coefficients) + maximum flow.
   std::int64_t delta = 0;
   for (std::size_t i = 0; i < terminal_.size(); ++i) {
@@ -141,41 +181,69 @@ std::int64_t Expansion::Expand(std::size_t level_index) {
   if (delta == 0) return 0;
   delta += flow_.Solve();
   if (delta == 0) return 0;
-  for (std::size_t i = 0; i < free_.size(); ++i) {
+  for (std::size_t i = 0; i < movers_.size(); ++i) {
     if (!flow_.InSourceSide(static_cast<MaxFlow::Node>(i))) continue;
-    labels_[free_[i]] = alpha;
-    HoldMatches(free_[i], problem_.Matches(level_index, free_[i]));
+    labels_[movers_[i]] = move.alpha;
+    HoldMatches(movers_[i]);
+    if (indexed_) holders_of_level_[move.level].push_back(movers_[i]);
   }
   energy_ += delta;
   return delta;
 }
 
-ExpansionSummary ExpandToConvergence(const LabellingProblem& problem, std::vector<Level>& labels, int max_sweeps,
-                                     const std::stop_token& stop) {
-  Expansion expansion(problem, labels);
-  ExpansionSummary summary;
-  const std::size_t num_levels = problem.levels.size();
-  std::vector<std::int64_t> tried_at(num_levels, -1);  // number of moves made when the level was last tried
-  bool lowered = true;
-  while (lowered && (max_sweeps == 0 || summary.sweeps < max_sweeps)) {
-    lowered = false;
-    for (std::size_t step = 0; step < num_levels; ++step) {
-      if (stop.stop_requested()) {
-        summary.cancelled = true;
-        return summary;
-      }
-      const std::size_t level_index = summary.sweeps % 2 == 0 ? step : num_levels - 1 - step;
-      if (tried_at[level_index] == summary.moves) continue;
-      if (expansion.Expand(level_index) < 0) {
-        ++summary.moves;
-        lowered = true;
-      }
-      tried_at[level_index] = summary.moves;
-    }
-    ++summary.sweeps;
+std::int64_t Expansion::Expand(std::size_t level) {
+  const Move move{level, problem_.levels[level]};
+  ++time_;
+  BeginGraph(free_, move);
+  for (const NodeIndex node : movers_) {
+    AddSmoothness(node, move);
+    AddMatches(node, move);
   }
-  summary.energy = expansion.energy();
-  return summary;
+  const auto add_constant = [&](NodeIndex node) {
+    for (std::size_t slot = 0; slot < width_; ++slot) AddMatchOfConstant(node, held_[node * width_ + slot], move);
+  };
+  for (const NodeIndex node : free_) {
+    if (labels_[node] == move.alpha) add_constant(node);
+  }
+  for (const NodeIndex node : rewarding_) add_constant(node);
+  return Solve(move);
+}
+
+void Expansion::GatherNear(const Move& move, std::size_t band) {
+  near_.clear();
+  const std::size_t end = std::min(move.level + band + 1, problem_.levels.size());
+  for (std::size_t level = move.level - std::min(band, move.level); level < end; ++level) {
+    std::vector<NodeIndex>& holders = holders_of_level_[level];
+    std::size_t kept = 0;
+    for (const NodeIndex node : holders) {
+      if (labels_[node] != problem_.levels[level] || gathered_[node] == time_) continue;  // left, or came twice
+      Gather(node);
+      holders[kept++] = node;
+    }
+    holders.resize(kept);
+  }
+  const std::size_t seeds = near_.size();
+  for (std::size_t i = 0; i < seeds; ++i) {
+    const NodeIndex node = near_[i];
+    for (std::uint32_t link = link_begin_[node]; link < link_begin_[node + 1]; ++link) Gather(links_[link].other);
+    for (const MatchTable::Match& match : problem_.matches.At(node, move.level)) Gather(match.target);
+  }
+}
+
+std::int64_t Expansion::ExpandNear(std::size_t level, std::size_t band) {
+  const Move move{level, problem_.levels[level]};
+  if (!indexed_) IndexHolders();
+  ++time_;
+  GatherNear(move, band);
+  BeginGraph(near_, move);
+  for (const NodeIndex node : movers_) {
+    AddSmoothness(node, move);
+    AddMatches(node, move);
+    for (Place place = first_holder_[node]; place != kNoPlace; place = next_holder_[place]) {
+      if (!Moves(HolderOf(place))) AddMatchOfConstant(HolderOf(place), held_[place], move);
+    }
+  }
+  return Solve(move);
 }
 
 }  // namespace depthfarm

@@ -17,30 +17,32 @@ std::int64_t TotalEnergy(const LabellingProblem& problem, const std::vector<Leve
     energy += static_cast<std::int64_t>(link.beta) * std::abs(int{labels[link.first]} - int{labels[link.second]});
   }
   for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
-    const int level_index = LevelIndex(problem, labels[node]);
-    if (level_index < 0) continue;
-    const MatchLink* matches = problem.Matches(static_cast<std::size_t>(level_index), node);
-    for (int slot = 0; slot < problem.matches_per_node; ++slot) {
-      if (matches[slot].reward != 0 && labels[matches[slot].target] == labels[node])
-        energy -= matches[slot].RewardUnits();
+    const int level = LevelIndex(problem, labels[node]);
+    if (level < 0) continue;
+    for (const MatchTable::Match& match : problem.matches.At(node, static_cast<std::size_t>(level))) {
+      if (labels[match.target] == labels[node]) energy -= match.RewardUnits();
     }
   }
   return energy;
 }
 
 void WinnerTakesAll(const LabellingProblem& problem, std::vector<Level>& labels) {
-  std::vector<std::int32_t> best(problem.num_nodes, -1);
-  for (std::size_t level_index = 0; level_index < problem.levels.size(); ++level_index) {
-    for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
-      if (problem.fixed[node] != 0) continue;
-      const MatchLink* matches = problem.Matches(level_index, node);
-      std::int32_t reward = 0;
-      for (int slot = 0; slot < problem.matches_per_node; ++slot) reward += matches[slot].reward;
-      if (reward > best[node]) {
-        best[node] = reward;
-        labels[node] = problem.levels[level_index];
+  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
+    if (problem.fixed[node] != 0) continue;
+    std::size_t best_level = 0;
+    std::int32_t best = 0;
+    std::size_t level = 0;
+    std::int32_t reward = 0;
+    for (const MatchTable::Match& match : problem.matches.Of(node)) {
+      if (match.level != level) reward = 0;
+      level = match.level;
+      reward += match.reward;
+      if (reward > best) {
+        best = reward;
+        best_level = level;
       }
     }
+    labels[node] = problem.levels[best_level];
   }
 }
 

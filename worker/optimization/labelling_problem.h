@@ -6,12 +6,9 @@
 #include <vector>
 
 #include "common/geometry/depth_levels.h"
-#include "worker/cost/energy_units.h"
+#include "worker/optimization/match_table.h"
 
 namespace depthfarm {
-
-// A segment of any view of a frame: the segments of all views in one numbering.
-using NodeIndex = std::uint32_t;
 
 // V of eq. (2) between two adjacent segments: beta * |d_first - d_second| energy units. beta is even.
 struct SmoothnessLink {
@@ -20,27 +17,14 @@ struct SmoothnessLink {
   std::int32_t beta = 0;
 };
 
-// M of eq. (5) in one direction: a segment that holds some level is rewarded by `reward` match steps if `target` holds
-// the same level. reward 0: no match there. The relation is not symmetric: the target's own match is another term.
-struct MatchLink {
-  NodeIndex target = 0;
-  std::uint16_t reward = 0;
-
-  [[nodiscard]] std::int32_t RewardUnits() const { return reward * kEnergyUnitsPerMatchStep; }
-};
-
 // E of eq. (1) with numbers filled in, for a subset of the levels: what alpha-expansion minimises.
 struct LabellingProblem {
   NodeIndex num_nodes = 0;
   std::vector<Level> levels;               // the levels that free nodes may take, ascending
-  int matches_per_node = 0;                // D: neighbour views at most
-  std::vector<MatchLink> matches;          // [level index][node][slot], size levels x nodes x D
+  int matches_per_node = 0;                // D: neighbour views at most, so matches of a node on one level
+  MatchTable matches;                      // of every node, on the levels by their index
   std::vector<SmoothnessLink> smoothness;  // each adjacent pair once
   std::vector<std::uint8_t> fixed;         // per node: 1 = unchanged (III-E): keeps its label, which may be any level
-
-  [[nodiscard]] const MatchLink* Matches(std::size_t level_index, NodeIndex node) const {
-    return matches.data() + (level_index * num_nodes + node) * static_cast<std::size_t>(matches_per_node);
-  }
 };
 
 // Index of `level` in problem.levels, or -1.

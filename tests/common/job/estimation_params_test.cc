@@ -59,6 +59,8 @@ TEST(EstimationParams, RefusesValuesOutsideTheirBoundsByName) {
       {[](EstimationParams& p) { p.levels = 7, p.level_blocks = 8; }, "level-blocks is 8, expected at most"},
       {[](EstimationParams& p) { p.max_sweeps = -1; }, "sweeps is -1"},
       {[](EstimationParams& p) { p.max_sweeps = 1001; }, "sweeps is 1001"},
+      {[](EstimationParams& p) { p.max_sweeps = 2; }, "sweeps is 2, expected 1 with the sparse search"},
+      {[](EstimationParams& p) { p.max_sweeps = 0; }, "sweeps is auto, expected 1 with the sparse search"},
       {[](EstimationParams& p) { p.neighbours = 0; }, "neighbors is 0"},
       {[](EstimationParams& p) { p.neighbours = 17; }, "neighbors is 17"},
       {[](EstimationParams& p) { p.refine_rounds = -1; }, "refine is -1"},
@@ -117,7 +119,7 @@ TEST(EstimationParams, AcceptsTheBoundsThemselves) {
       {[](EstimationParams& p) { p.p_threshold = p.i_threshold = 255; }, "highest thresholds"},
       {[](EstimationParams& p) { p.levels = p.level_blocks = 8; }, "one level a block"},
       {[](EstimationParams& p) { p.level_blocks = 4096; }, "level-blocks of unknown levels"},
-      {[](EstimationParams& p) { p.max_sweeps = 0; }, "sweeps until nothing changes"},
+      {[](EstimationParams& p) { p.search = Search::kFull, p.max_sweeps = 0; }, "sweeps until nothing changes"},
       {[](EstimationParams& p) { p.neighbours = 16; }, "neighbors"},
       {[](EstimationParams& p) { p.refine_rounds = 0; }, "no refinement"},
       {[](EstimationParams& p) { p.holes = 0.999; }, "only what is nearly certain"},
@@ -148,6 +150,7 @@ TEST(Preset, PaperIsThePaperToTheLetter) {
   EstimationParams expected;
   expected.levels = 250;
   expected.level_blocks = 1;
+  expected.search = Search::kFull;
   expected.max_sweeps = 0;
   expected.uniqueness = 0;
   expected.refine_rounds = 0;

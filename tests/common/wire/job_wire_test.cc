@@ -74,6 +74,7 @@ EstimationParams TestParams() {
   params.i_threshold = 2;
   params.level_blocks = 8;
   params.partition = Partition::kContiguous;
+  params.search = Search::kFull;
   params.max_sweeps = 9;
   params.neighbours = 1;
   params.refine_rounds = 7;
@@ -214,6 +215,7 @@ TEST(ParamsWire, HostileValuesAreRefused) {
   EXPECT_TRUE(refused([](auto& p) { p.set_uniqueness(100); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_holes(1); }));
   EXPECT_TRUE(refused([](auto& p) { p.clear_partition(); }));
+  EXPECT_TRUE(refused([](auto& p) { p.clear_search(); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("../x"); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("cam0"); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_end_frame(-2); }));

@@ -78,8 +78,17 @@ INSTANTIATE_TEST_SUITE_P(All, AcceptedOption,
                              {"confidence", "on", [](EstimationParams& p) { p.confidence = true; }},
                              {"confidence", "off", [](EstimationParams&) {}},
                              {"holes", "0.25", [](EstimationParams& p) { p.holes = 0.25; }},
-                             {"sweeps", "2", [](EstimationParams& p) { p.max_sweeps = 2; }},
-                             {"sweeps", "auto", [](EstimationParams& p) { p.max_sweeps = 0; }},
+                             {"sweeps", "sparse", [](EstimationParams&) {}},
+                             {"sweeps", "2",
+                              [](EstimationParams& p) {
+                                p.search = Search::kFull;
+                                p.max_sweeps = 2;
+                              }},
+                             {"sweeps", "auto",
+                              [](EstimationParams& p) {
+                                p.search = Search::kFull;
+                                p.max_sweeps = 0;
+                              }},
                          }));
 
 class RefusedOption : public testing::TestWithParam<std::pair<std::string, std::string>> {};

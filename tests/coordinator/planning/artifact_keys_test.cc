@@ -31,6 +31,7 @@ TEST(ArtifactKeys, WhatReachesTheEnergyChangesTheKey) {
       [](JobConfig& c) { ++c.resolved.params.p_threshold; },
       [](JobConfig& c) { ++c.resolved.params.i_threshold; },
       [](JobConfig& c) { ++c.resolved.params.max_sweeps; },
+      [](JobConfig& c) { c.resolved.params.search = Search::kFull; },
       [](JobConfig& c) { c.resolved.params.partition = Partition::kContiguous; },
       [](JobConfig& c) { c.resolved.reference.cam_from_world_translation[0] = 1; },
       [](JobConfig& c) { c.resolved.views[1].camera.intrinsics(0, 2) = 3; },

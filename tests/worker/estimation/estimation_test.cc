@@ -71,6 +71,7 @@ TEST(EstimateBlock, LabelsAreThoseOfTheOracleOnARealProblem) {
   EstimationParams params = SmallParams();
   params.segments = 150;
   params.levels = 10;
+  params.search = Search::kFull;
   params.max_sweeps = 0;
   const ResolvedJob job = SmallJob(params);
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
@@ -172,6 +173,7 @@ TEST(EstimateBlock, UnchangedSegmentsOfAPFrameKeepTheirDepthInEveryBlockAndMerge
 // problem, move by move.
 TEST(EstimateBlock, LabelsOfAPFrameAreThoseOfTheWholeProblem) {
   EstimationParams params = SmallParams();
+  params.search = Search::kFull;
   params.max_sweeps = 2;
   const ResolvedJob job = SmallJob(params);
   const FrameAnalysis first = test::Analyse(Scene(), job, 0);

@@ -1,5 +1,6 @@
 #include "worker/estimation/frame_problem.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,6 +17,7 @@ namespace depthfarm {
 namespace {
 
 using test::RenderedSequence;
+using testing::ElementsAreArray;
 
 constexpr int kLevels = 80;  // more than the planes that floors are measured on
 
@@ -42,10 +44,9 @@ std::vector<std::uint8_t> NoneFixed(const FrameProblem& frame) {
   return std::vector<std::uint8_t>(frame.num_nodes(), 0);
 }
 
-std::vector<std::uint16_t> Rewards(const std::vector<MatchLink>& matches) {
-  std::vector<std::uint16_t> rewards;
-  for (const MatchLink& match : matches) rewards.push_back(match.reward);
-  return rewards;
+// The matches of every node on one level, [node][slot], one by one.
+std::vector<MatchLink> OnLevel(const FrameProblem& frame, Level level) {
+  return frame.MatchesOnOwnLevels(std::vector<Level>(frame.num_nodes(), level), NoneFixed(frame));
 }
 
 // The floor of a segment against one neighbour, put together from its parts.
@@ -77,9 +78,12 @@ TEST(FrameProblem, AMatchCountsByHowMuchItBeatsItsFloor) {
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
   const FrameProblem plain(plain_job, analysis);
   const FrameProblem frame(job, analysis);
-  const std::vector<MatchLink> full = plain.MatchesOnLevels(AllLevels(), {});
-  const std::vector<MatchLink> unique = frame.MatchesOnLevels(AllLevels(), {});
-  ASSERT_EQ(full.size(), unique.size());
+  std::vector<std::vector<MatchLink>> full;
+  std::vector<std::vector<MatchLink>> unique;
+  for (const Level level : AllLevels()) {
+    full.push_back(OnLevel(plain, level));
+    unique.push_back(OnLevel(frame, level));
+  }
   const auto width = static_cast<std::size_t>(frame.matches_per_node());
   int rewarded = 0;
   int reduced = 0;
@@ -89,11 +93,12 @@ TEST(FrameProblem, AMatchCountsByHowMuchItBeatsItsFloor) {
       for (std::size_t slot = 0; slot < neighbours.size(); ++slot) {
         const int floor = FloorPlainly(job, analysis, view, neighbours[slot], node - frame.offset(view));
         for (std::size_t level = 0; level < kLevels; ++level) {
-          const std::size_t i = (level * frame.num_nodes() + node) * width + slot;
-          EXPECT_EQ(unique[i].target, full[i].target);
-          EXPECT_EQ(unique[i].reward, std::max(0, full[i].reward - floor));
-          rewarded += unique[i].reward != 0 ? 1 : 0;
-          reduced += unique[i].reward < full[i].reward ? 1 : 0;
+          const MatchLink& in_full = full[level][node * width + slot];
+          const MatchLink& match = unique[level][node * width + slot];
+          EXPECT_EQ(match.target, in_full.target);
+          EXPECT_EQ(match.reward, std::max(0, in_full.reward - floor));
+          rewarded += match.reward != 0 ? 1 : 0;
+          reduced += match.reward < in_full.reward ? 1 : 0;
         }
       }
     }
@@ -106,18 +111,20 @@ TEST(FrameProblem, MatchesAreTheSameWhateverLevelsAPartHas) {
   const ResolvedJob job = Job(75);
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
   const FrameProblem frame(job, analysis);
-  const std::vector<MatchLink> all = frame.MatchesOnLevels(AllLevels(), {});
-  const std::size_t row = all.size() / kLevels;
-  for (const Level level : {Level{0}, Level{33}, Level{79}}) {
-    const std::vector<MatchLink> part = frame.MatchesOnLevels({level}, {});
-    const std::vector<MatchLink> own =
-        frame.MatchesOnOwnLevels(std::vector<Level>(frame.num_nodes(), level), NoneFixed(frame));
-    for (std::size_t i = 0; i < row; ++i) {
-      const MatchLink& expected = all[level * row + i];
-      EXPECT_EQ(part[i].reward, expected.reward);
-      EXPECT_EQ(part[i].target, expected.target);
-      EXPECT_EQ(own[i].reward, expected.reward);
-      EXPECT_EQ(own[i].target, expected.target);
+  const MatchTable all = frame.MatchesOnLevels(AllLevels(), {});
+  const auto width = static_cast<std::size_t>(frame.matches_per_node());
+  for (const Level level : AllLevels()) {
+    const MatchTable part = frame.MatchesOnLevels({level}, {});
+    const std::vector<MatchLink> own = OnLevel(frame, level);
+    for (NodeIndex node = 0; node < frame.num_nodes(); ++node) {
+      std::vector<MatchTable::Match> expected;  // the vectors of MatchesOnLevels against one at a time
+      for (std::size_t slot = 0; slot < width; ++slot) {
+        const MatchLink& match = own[node * width + slot];
+        if (match.reward != 0) expected.push_back({match.target, match.reward, level});
+      }
+      EXPECT_THAT(all.At(node, level), ElementsAreArray(expected));
+      for (MatchTable::Match& match : expected) match.level = 0;
+      EXPECT_THAT(part.Of(node), ElementsAreArray(expected));
     }
   }
 }
@@ -127,12 +134,12 @@ TEST(FrameProblem, MatchesAreTheSameWithFloorsThatAnotherPartMeasured) {
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
   const auto floors = std::make_shared<RewardFloors>();
   (void)FrameProblem(job, analysis, floors).MatchesOnLevels({10, 40}, {});
-  EXPECT_EQ(Rewards(FrameProblem(job, analysis, floors).MatchesOnLevels(AllLevels(), {})),
-            Rewards(FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), {})));
+  EXPECT_EQ(FrameProblem(job, analysis, floors).MatchesOnLevels(AllLevels(), {}),
+            FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), {}));
   // They are indeed used: other floors, other rewards.
   (*floors)[0] = 0;
-  EXPECT_NE(Rewards(FrameProblem(job, analysis, floors).MatchesOnLevels(AllLevels(), {})),
-            Rewards(FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), {})));
+  EXPECT_NE(FrameProblem(job, analysis, floors).MatchesOnLevels(AllLevels(), {}),
+            FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), {}));
 }
 
 TEST(FrameProblem, MatchesBetweenFixedNodesAreLeftOut) {
@@ -142,18 +149,25 @@ TEST(FrameProblem, MatchesBetweenFixedNodesAreLeftOut) {
   const std::vector<Level> labels(frame.num_nodes(), 30);
   std::vector<std::uint8_t> fixed = NoneFixed(frame);
   for (NodeIndex node = 0; node < frame.num_nodes(); node += 2) fixed[node] = 1;
-  const std::vector<MatchLink> all = frame.MatchesOnOwnLevels(labels, NoneFixed(frame));
+  const std::vector<MatchLink> all = OnLevel(frame, 30);
   const std::vector<MatchLink> own = frame.MatchesOnOwnLevels(labels, fixed);
-  const std::vector<MatchLink> tile = frame.MatchesOnLevels({30}, fixed, labels, {});
+  const MatchTable table = frame.MatchesOnLevels({30}, fixed, labels, {});
   const auto width = static_cast<std::size_t>(frame.matches_per_node());
   int left_out = 0;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool constant = fixed[i / width] != 0 && fixed[all[i].target] != 0;
     EXPECT_EQ(own[i].reward, constant ? 0 : all[i].reward);
-    EXPECT_EQ(tile[i].reward, own[i].reward);
     left_out += constant && all[i].reward != 0 ? 1 : 0;
   }
   EXPECT_GT(left_out, 0);
+  for (NodeIndex node = 0; node < frame.num_nodes(); ++node) {
+    std::vector<MatchTable::Match> expected;
+    for (std::size_t slot = 0; slot < width; ++slot) {
+      const MatchLink& match = own[node * width + slot];
+      if (match.reward != 0) expected.push_back({match.target, match.reward, 0});
+    }
+    EXPECT_THAT(table.Of(node), ElementsAreArray(expected));
+  }
 }
 
 // What the floor is for: a surface without texture matches everywhere, which is no reason to believe any depth.
@@ -169,12 +183,10 @@ TEST(FrameProblem, ASurfaceWithoutTextureIsNotRewarded) {
       view = plain;
     }
     const FrameProblem frame(job, analysis);
-    std::int64_t sum = 0;
-    for (const MatchLink& match : frame.MatchesOnLevels(AllLevels(), {})) sum += match.reward;
-    return sum;
+    return frame.MatchesOnLevels(AllLevels(), {}).size();
   };
-  EXPECT_GT(rewards(0), 0);
-  EXPECT_EQ(rewards(1), 0);
+  EXPECT_GT(rewards(0), 0U);
+  EXPECT_EQ(rewards(1), 0U);
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "tests/support/cut_oracle.h"
+#include "tests/support/match_lists.h"
 #include "tests/support/random_problem.h"
 
 namespace depthfarm {
@@ -11,6 +14,26 @@ namespace {
 using test::MakeRandomProblem;
 using test::Random;
 using test::RandomProblem;
+
+// Whether ExpandNear lets the node move, from its definition.
+bool IsNear(const LabellingProblem& problem, const std::vector<Level>& labels, NodeIndex node, std::size_t level,
+            std::size_t band) {
+  const auto in_band = [&](NodeIndex seed) {
+    const int held = LevelIndex(problem, labels[seed]);
+    return held >= 0 && std::abs(held - static_cast<int>(level)) <= static_cast<int>(band);
+  };
+  if (in_band(node)) return true;
+  for (const SmoothnessLink& link : problem.smoothness) {
+    if (problem.fixed[link.first] != 0 && problem.fixed[link.second] != 0) continue;
+    if ((link.first == node && in_band(link.second)) || (link.second == node && in_band(link.first))) return true;
+  }
+  for (NodeIndex seed = 0; seed < problem.num_nodes; ++seed) {
+    for (const MatchTable::Match& match : problem.matches.At(seed, level)) {
+      if (match.target == node && in_band(seed)) return true;
+    }
+  }
+  return false;
+}
 
 TEST(TotalEnergy, EqualsTheSumWrittenOutFromEquationOne) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
@@ -25,7 +48,7 @@ TEST(TotalEnergy, AddsNothingForAPairOnDifferentLevels) {  // eq. (5), second ca
   problem.num_nodes = 2;
   problem.levels = {0, 1};
   problem.matches_per_node = 1;
-  problem.matches = {{1, 100}, {}, {1, 90}, {}};
+  problem.matches = test::TableOf({{1, 100}, {}, {1, 90}, {}}, 2, 2, 1);
   problem.fixed = {0, 0};
   EXPECT_EQ(TotalEnergy(problem, {0, 0}), -100 * 128);
   EXPECT_EQ(TotalEnergy(problem, {1, 1}), -90 * 128);
@@ -80,7 +103,7 @@ TEST(Expansion, FixedNodesKeepTheirLabelButCountForOthers) {
   problem.num_nodes = 2;
   problem.levels = {0, 1};
   problem.matches_per_node = 1;
-  problem.matches = {{}, {0, 10}, {}, {0, 10}};
+  problem.matches = test::TableOf({{}, {0, 10}, {}, {0, 10}}, 2, 2, 1);
   problem.fixed = {1, 0};
   std::vector<Level> labels = {1, 0};
   Expansion expansion(problem, labels);
@@ -89,26 +112,37 @@ TEST(Expansion, FixedNodesKeepTheirLabelButCountForOthers) {
   EXPECT_EQ(labels, (std::vector<Level>{1, 1}));
 }
 
-TEST(ExpandToConvergence, StopsWhereNoMoveLowersTheEnergy) {
-  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+// A move of few nodes is the move of a problem in which all others are fixed.
+TEST(Expansion, NearMovesAreExactOnTheNodesThatMove) {
+  int moved = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
     Random random(seed);
-    RandomProblem p = MakeRandomProblem(random, 25, 3, 6, 10);
+    RandomProblem p =
+        MakeRandomProblem(random, random.Int(3, 30), random.Int(2, 3), random.Int(2, 6), seed % 3 == 0 ? 30 : 0);
     std::vector<Level> labels = p.labels;
-    WinnerTakesAll(p.problem, labels);
-    const ExpansionSummary summary = ExpandToConvergence(p.problem, labels, 0, {});
-    EXPECT_EQ(summary.energy, test::EnergyPlainly(p.problem, labels)) << "seed " << seed;
-    for (const Level alpha : p.problem.levels) {
-      EXPECT_EQ(test::EnergyPlainly(p.problem, test::ExpandPlainly(p.problem, labels, alpha)), summary.energy);
+    Expansion expansion(p.problem, labels);
+    for (int sweep = 0; sweep < 3; ++sweep) {
+      for (std::size_t l = 0; l < p.problem.levels.size(); ++l) {
+        const auto band = static_cast<std::size_t>(random.Int(0, 2));
+        LabellingProblem others_fixed = p.problem;
+        for (NodeIndex node = 0; node < p.problem.num_nodes; ++node) {
+          if (!IsNear(p.problem, labels, node, l, band)) others_fixed.fixed[node] = 1;
+        }
+        const std::vector<Level> expected = test::ExpandPlainly(others_fixed, labels, p.problem.levels[l]);
+        const bool full = sweep == 1 && random.Chance(20);  // both kinds of moves may take turns
+        const std::vector<Level> expected_full = test::ExpandPlainly(p.problem, labels, p.problem.levels[l]);
+        const std::int64_t before = expansion.energy();
+        const std::int64_t delta = full ? expansion.Expand(l) : expansion.ExpandNear(l, band);
+        ASSERT_EQ(labels, full ? expected_full : expected);
+        ASSERT_LE(delta, 0);
+        ASSERT_EQ(expansion.energy(), before + delta);
+        ASSERT_EQ(expansion.energy(), test::EnergyPlainly(p.problem, labels));
+        moved += !full && delta < 0 ? 1 : 0;
+      }
     }
   }
-}
-
-TEST(ExpandToConvergence, IsCancelledByItsStopToken) {
-  Random random(1);
-  RandomProblem p = MakeRandomProblem(random, 10, 2, 4, 0);
-  std::stop_source stop;
-  stop.request_stop();
-  EXPECT_TRUE(ExpandToConvergence(p.problem, p.labels, 0, stop.get_token()).cancelled);
+  EXPECT_GT(moved, 100);
 }
 
 TEST(WinnerTakesAll, TakesTheLargestSumAndTheFarthestOfEquals) {
@@ -116,7 +150,7 @@ TEST(WinnerTakesAll, TakesTheLargestSumAndTheFarthestOfEquals) {
   problem.num_nodes = 2;
   problem.levels = {3, 5};
   problem.matches_per_node = 2;
-  problem.matches = {{1, 10}, {1, 20}, {0, 5}, {}, {1, 30}, {}, {0, 6}, {}};
+  problem.matches = test::TableOf({{1, 10}, {1, 20}, {0, 5}, {}, {1, 30}, {}, {0, 6}, {}}, 2, 2, 2);
   problem.fixed = {0, 0};
   std::vector<Level> labels = {5, 3};
   WinnerTakesAll(problem, labels);

@@ -1,0 +1,29 @@
+#ifndef DEPTHFARM_TESTS_SUPPORT_MATCH_LISTS_H_
+#define DEPTHFARM_TESTS_SUPPORT_MATCH_LISTS_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "worker/optimization/match_table.h"
+
+namespace depthfarm::test {
+
+// A table from matches written out as [level][node][slot], those without a reward too.
+inline MatchTable TableOf(const std::vector<MatchLink>& matches, std::size_t num_levels, NodeIndex num_nodes,
+                          std::size_t slots) {
+  MatchTable table;
+  for (NodeIndex node = 0; node < num_nodes; ++node) {
+    for (std::size_t level = 0; level < num_levels; ++level) {
+      for (std::size_t slot = 0; slot < slots; ++slot) {
+        const MatchLink& match = matches[(level * num_nodes + node) * slots + slot];
+        table.Add(level, match.target, match.reward);
+      }
+    }
+    table.EndNode();
+  }
+  return table;
+}
+
+}  // namespace depthfarm::test
+
+#endif  // DEPTHFARM_TESTS_SUPPORT_MATCH_LISTS_H_
