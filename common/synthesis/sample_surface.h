@@ -1,7 +1,7 @@
 #ifndef DEPTHFARM_COMMON_SYNTHESIS_SAMPLE_SURFACE_H_
 #define DEPTHFARM_COMMON_SYNTHESIS_SAMPLE_SURFACE_H_
 
-#include "common/image/colour_grid.h"
+#include "common/image/colour.h"
 #include "common/synthesis/surface.h"
 
 namespace depthfarm {

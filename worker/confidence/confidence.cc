@@ -9,9 +9,8 @@
 #include <vector>
 
 #include "worker/refinement/better_half.h"
+#include "worker/refinement/colour_weight.h"
 #include "worker/refinement/other_view.h"
-#include "worker/refinement/patch_cost.h"
-#include "worker/refinement/picture_samples.h"
 #include "worker/refinement/view_geometry.h"
 
 namespace depthfarm {
@@ -76,20 +75,21 @@ struct Compared {
   Grid<std::uint8_t> sees_through;
 };
 
-Compared Compare(const ColourGrid& own, const InverseDepthMap& map, const OtherView& other) {
+Compared Compare(const YcbcrImage& own, const InverseDepthMap& map, const OtherView& other) {
   const Grid<float> nowhere(own.width(), own.height(), kNotSeen);
   Compared compared{{nowhere, nowhere, nowhere}, {own.width(), own.height()}, {own.width(), own.height()}};
   for (int y = 0; y < own.height(); ++y) {
     for (int x = 0; x < own.width(); ++x) {
       const double u = map(x, y);
+      const Colour colour = ColourOf(own(x, y));
       const std::optional<Seen> seen = SeenIn(*other.pair, *other.map, x, y, u);
       const auto elsewhere = [&](double offset) {
-        return static_cast<float>(Misfit(own(x, y), other, x, y, u + offset).value_or(double{kNotSeen}));
+        return static_cast<float>(Misfit(colour, other, x, y, u + offset).value_or(double{kNotSeen}));
       };
       compared.misfit[1](x, y) = elsewhere(kElsewhere);
       compared.misfit[2](x, y) = elsewhere(-kElsewhere);
       if (!seen) continue;
-      compared.misfit[0](x, y) = static_cast<float>(MisfitAt(own(x, y), other, *seen));
+      compared.misfit[0](x, y) = static_cast<float>(MisfitAt(colour, other, *seen));
       compared.gap(x, y) = static_cast<float>(std::abs(DepthAt(*other.map, *seen) - seen->u_in_other));
       compared.sees_through(x, y) = SeesThrough(*other.map, *seen) ? 1 : 0;
     }
@@ -125,7 +125,7 @@ double MisfitOfBetterHalf(const std::vector<Compared>& others, std::size_t place
   return means.Mean();
 }
 
-Evidence EvidenceAt(const ColourGrid& own, const std::vector<Compared>& others, int to_jump, int x, int y) {
+Evidence EvidenceAt(const YcbcrImage& own, const std::vector<Compared>& others, int to_jump, int x, int y) {
   Weights weights{};
   for (int i = 0; i < 9; ++i) {
     const int nx = x + i % 3 - 1;
@@ -172,15 +172,14 @@ Result<ConfidenceMap> AssessView(const ResolvedJob& job, int view, const FrameAn
   DEPTHFARM_RETURN_IF_ERROR(CheckViewInputs(job, view, analysis, refined));
   const auto v = static_cast<std::size_t>(view);
   const ViewGeometry geometry = RefinementGeometry(job, view);
-  const ColourGrid own = ColourOf(analysis[v]->picture);
+  const YcbcrImage& own = analysis[v]->picture;
   const InverseDepthMap map = refined[v]->Map();
   std::vector<Compared> others;
   for (const PairGeometry& pair : geometry.pairs) {
     if (stop.stop_requested()) return Cancelled();
     const auto o = static_cast<std::size_t>(pair.other);
-    const ColourGrid colour = ColourOf(analysis[o]->picture);
     const InverseDepthMap other_map = refined[o]->Map();
-    OtherView other{.pair = &pair, .colour = &colour, .map = &other_map};
+    OtherView other{.pair = &pair, .colour = analysis[o]->picture, .map = &other_map};
     other.sigma = MeasureNoise(own, map, other);
     others.push_back(Compare(own, map, other));
   }

@@ -36,30 +36,31 @@ struct PixelFit {
   double gr = 0;
 };
 
-bool Inside(const ColourGrid& grid, double x, double y) {
-  return x >= 0 && y >= 0 && x <= grid.width() - 1 && y <= grid.height() - 1;
+template <typename Pixel>
+bool Inside(const Grid<Pixel>& picture, double x, double y) {
+  return x >= 0 && y >= 0 && x <= picture.width() - 1 && y <= picture.height() - 1;
 }
 
 // nullopt where the colour half a pixel before or behind in the direction of motion is not seen, or nothing moves.
-std::optional<PixelFit> FitOfPixel(const OtherView& other, const Seen& seen, const Colour& own, double inverse_scale,
-                                   double base) {
+template <typename Pixel>
+std::optional<PixelFit> FitOfPixel(const Grid<Pixel>& picture, const Seen& seen, const Colour& own,
+                                   double inverse_scale, double base) {
   const double squared = seen.dx * seen.dx + seen.dy * seen.dy;
   if (!(squared > 1e-18)) return std::nullopt;
   const double motion = std::sqrt(squared);
   const double half = 0.5 / motion;
   const double nx = half * seen.dx;
   const double ny = half * seen.dy;
-  const ColourGrid& grid = *other.colour;
-  if (!Inside(grid, seen.x - nx, seen.y - ny) || !Inside(grid, seen.x + nx, seen.y + ny)) return std::nullopt;
-  const Colour there = SampleAt(grid, seen.x, seen.y);
-  const Colour after = SampleAt(grid, seen.x + nx, seen.y + ny);
-  const Colour before = SampleAt(grid, seen.x - nx, seen.y - ny);
+  if (!Inside(picture, seen.x - nx, seen.y - ny) || !Inside(picture, seen.x + nx, seen.y + ny)) return std::nullopt;
+  const ColourVector gradient =
+      SampleAt(picture, seen.x + nx, seen.y + ny) - SampleAt(picture, seen.x - nx, seen.y - ny);
+  const ColourVector difference = SampleAt(picture, seen.x, seen.y) - VectorOf(own);
   double gg = 0;
   double gr = 0;
   double rr = 0;
   for (int i = 0; i < 3; ++i) {
-    const double g = after[i] - before[i];
-    const double r = there[i] - own[i];
+    const double g = gradient[i];
+    const double r = difference[i];
     gg += g * g;
     gr += g * r;
     rr += r * r;
@@ -86,9 +87,11 @@ void AddPixel(const PixelFit& pixel, double px, double py, Fit& fit) {
   rhs[2] -= pixel.gr;
 }
 
-std::vector<Fit> FitsAgainst(const OtherView& other, const ColourGrid& own, const RefinedView& refined,
-                             const InverseDepthMap& map, std::span<const PixelPosition> centers, bool blurred,
-                             const std::stop_token& stop) {
+// `picture`: the other view's.
+template <typename Pixel>
+std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture, const PictureColours& own,
+                             const RefinedView& refined, const InverseDepthMap& map,
+                             std::span<const PixelPosition> centers, bool blurred, const std::stop_token& stop) {
   std::vector<Fit> fits(centers.size());
   const Sampling sampling = blurred ? kSmoothed : kSharp;
   const int share = sampling.row_step * sampling.column_step;
@@ -100,7 +103,7 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const ColourGrid& own, cons
       if (!refined.IsFree(s)) continue;
       const auto seen = SeenIn(*other.pair, *other.map, x, y, map(x, y));
       if (!seen) continue;
-      const auto pixel = FitOfPixel(other, *seen, own(x, y), inverse_scale, base);
+      const auto pixel = FitOfPixel(picture, *seen, own(x, y), inverse_scale, base);
       if (pixel) AddPixel(*pixel, x - centers[s].x, y - centers[s].y, fits[s]);
     }
   }
@@ -109,11 +112,14 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const ColourGrid& own, cons
 
 }  // namespace
 
-std::vector<NormalEquations> DataTerm(const ColourGrid& own, const RefinedView& refined, const InverseDepthMap& map,
+std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined, const InverseDepthMap& map,
                                       std::span<const PixelPosition> centers, std::span<const OtherView> others,
                                       bool blurred, const std::stop_token& stop) {
   std::vector<std::vector<Fit>> fits;
-  for (const OtherView& other : others) fits.push_back(FitsAgainst(other, own, refined, map, centers, blurred, stop));
+  for (const OtherView& other : others) {
+    fits.push_back(other.colour.With(
+        [&](const auto& picture) { return FitsAgainst(other, picture, own, refined, map, centers, blurred, stop); }));
+  }
   std::vector<NormalEquations> result(centers.size());
   for (std::size_t s = 0; s < centers.size(); ++s) {
     double best = 1;

@@ -22,7 +22,7 @@ struct NormalEquations {
 // not fit a segment (a silhouette) counts less there. `map` is refined.Map(), `centers` has one per segment. `blurred`:
 // the colours are smoothed, so neighbouring differences are not independent. Ends early with a part of the sum once
 // `stop` is requested.
-[[nodiscard]] std::vector<NormalEquations> DataTerm(const ColourGrid& own, const RefinedView& refined,
+[[nodiscard]] std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined,
                                                     const InverseDepthMap& map, std::span<const PixelPosition> centers,
                                                     std::span<const OtherView> others, bool blurred,
                                                     const std::stop_token& stop = {});

@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_WORKER_REFINEMENT_OTHER_VIEW_H_
 #define DEPTHFARM_WORKER_REFINEMENT_OTHER_VIEW_H_
 
+#include <algorithm>
 #include <optional>
 
 #include "worker/refinement/picture_samples.h"
@@ -26,7 +27,7 @@ struct Seen {
 // What of another view a view is compared with. All must outlive it.
 struct OtherView {
   const PairGeometry* pair = nullptr;
-  const ColourGrid* colour = nullptr;
+  PictureColours colour;
   const InverseDepthMap* map = nullptr;
   double sigma = 1.5;  // of the colour differences, grey levels: MeasureNoise
 };
@@ -60,28 +61,60 @@ inline constexpr double kHiddenBy = 1;  // pixels of u: a surface as much nearer
 }
 
 // Squared distance of two colours over Y, Cb, Cr.
-[[nodiscard]] double SquaredDistance(const Colour& a, const Colour& b);
+[[nodiscard]] inline double SquaredDistance(ColourVector a, ColourVector b) {
+  const ColourVector difference = a - b;
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) sum += static_cast<double>(difference[i]) * difference[i];
+  return sum;
+}
 
 // Robust standard deviation of the colour differences of a view against another, at least 1.5 grey levels.
-[[nodiscard]] double MeasureNoise(const ColourGrid& own, const InverseDepthMap& map, const OtherView& other);
+[[nodiscard]] double MeasureNoise(const PictureColours& own, const InverseDepthMap& map, const OtherView& other);
 
 // Depth (u of the other view) at the pixel where a point appears.
-[[nodiscard]] double DepthAt(const InverseDepthMap& other_map, const Seen& seen);
+[[nodiscard]] inline double DepthAt(const InverseDepthMap& other_map, const Seen& seen) {
+  return other_map(NearestPixel(seen.x), NearestPixel(seen.y));
+}
 
 // Whether all 3 x 3 pixels around where a point appears show what is more than a pixel of u farther. One that does not
 // is enough to believe in the point: contours of two views do not meet to the pixel.
-[[nodiscard]] bool SeesThrough(const InverseDepthMap& other_map, const Seen& seen);
+[[nodiscard]] inline bool SeesThrough(const InverseDepthMap& other_map, const Seen& seen) {
+  const int cx = NearestPixel(seen.x);
+  const int cy = NearestPixel(seen.y);
+  const double bound = seen.u_in_other - kHiddenBy;
+  if (other_map(cx, cy) >= bound) return false;  // as most often
+  for (int y = std::max(0, cy - 1); y <= std::min(other_map.height() - 1, cy + 1); ++y)
+    for (int x = std::max(0, cx - 1); x <= std::min(other_map.width() - 1, cx + 1); ++x)
+      if (other_map(x, y) >= bound) return false;
+  return true;
+}
 
 // rho of a pixel that appears there: 0 (its colour fits) to 1.
-[[nodiscard]] double MisfitAt(const Colour& own, const OtherView& other, const Seen& seen);
+[[nodiscard]] inline double MisfitAt(const Colour& own, const OtherView& other, const Seen& seen) {
+  const double t = SquaredDistance(other.colour.Between(seen.x, seen.y), VectorOf(own)) /
+                   (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
+  return t / (1 + t);
+}
 
 // rho of a pixel at u in one other view: 0 (fits) to 1; nullopt where it is not seen.
-[[nodiscard]] std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y, double u);
+[[nodiscard]] inline std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y,
+                                                  double u) {
+  const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
+  if (!seen) return std::nullopt;
+  return MisfitAt(own, other, *seen);
+}
+
+inline constexpr double kInMidAir = 0.03;  // of rho
 
 // The same, but 2 rho + 0.03 (at most 1) where the other view sees through the point: between two surfaces that fit
 // alike it is not the one in mid-air.
-[[nodiscard]] std::optional<double> MisfitInFreeSpace(const Colour& own, const OtherView& other, double x, double y,
-                                                      double u);
+[[nodiscard]] inline std::optional<double> MisfitInFreeSpace(const Colour& own, const OtherView& other, double x,
+                                                             double y, double u) {
+  const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
+  if (!seen) return std::nullopt;
+  const double rho = MisfitAt(own, other, *seen);
+  return SeesThrough(*other.map, *seen) ? std::min(1.0, 2 * rho + kInMidAir) : rho;
+}
 
 }  // namespace depthfarm
 

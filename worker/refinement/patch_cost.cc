@@ -1,44 +1,37 @@
 #include "worker/refinement/patch_cost.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "worker/refinement/better_half.h"
+#include "worker/refinement/colour_weight.h"
 
 namespace depthfarm {
 namespace {
 
-constexpr double kColourFalloff = 40;  // grey levels, summed over the components
 constexpr double kNotSeen = -1;
+// Of the misfits that are kept. Three rows are read at a time; most segments are narrower, and the whole fits into the
+// nearest cache.
+constexpr std::size_t kRows = 4;
+constexpr std::size_t kColumns = 128;
 
 }  // namespace
 
-double ColourWeight(const Colour& a, const Colour& b) {
-  double d = 0;
-  for (int i = 0; i < 4; ++i) d += std::abs(a[i] - b[i]);
-  const double base = 1 / (1 + d / kColourFalloff);
-  return base * base * base * base;
-}
-
-PatchCost::PatchCost(const ColourGrid& own, std::span<const OtherView> others)
+PatchCost::PatchCost(const YcbcrImage& own, std::span<const OtherView> others)
     : own_(own),
       others_(others.first(std::min<std::size_t>(others.size(), kMostCompared))),
-      slot_(own.width(), own.height(), 0),
-      misfits_(1) {}
+      recent_(kRows * kColumns) {}
 
 const PatchCost::Misfits& PatchCost::MisfitsAt(int x, int y, const SlantedPlane& plane) {
-  std::uint32_t& slot = slot_(x, y);
-  if (slot == 0) {
-    slot = static_cast<std::uint32_t>(misfits_.size());
-    misfits_.emplace_back();
-  }
-  Misfits& misfits = misfits_[slot];
-  if (misfits.turn == turn_) return misfits;
+  Misfits& misfits = recent_[static_cast<std::size_t>(y) % kRows * kColumns + static_cast<std::size_t>(x) % kColumns];
+  if (misfits.turn == turn_ && misfits.x == x && misfits.y == y) return misfits;
   misfits.turn = turn_;
+  misfits.x = x;
+  misfits.y = y;
   const double u = plane.At(x, y);
+  const Colour own = ColourOf(own_(x, y));
   for (std::size_t i = 0; i < others_.size(); ++i)
-    misfits.rho[i] = MisfitInFreeSpace(own_(x, y), others_[i], x, y, u).value_or(kNotSeen);
+    misfits.rho[i] = MisfitInFreeSpace(own, others_[i], x, y, u).value_or(kNotSeen);
   return misfits;
 }
 
@@ -49,9 +42,10 @@ double PatchCost::At(int x0, int y0, PlaneIndex index, const SlantedPlane& plane
   }
   std::array<double, kMostCompared> sums{};
   std::array<double, kMostCompared> weights{};
+  const Ycbcr center = own_(x0, y0);
   for (int y = std::max(0, y0 - 1); y <= std::min(own_.height() - 1, y0 + 1); ++y) {
     for (int x = std::max(0, x0 - 1); x <= std::min(own_.width() - 1, x0 + 1); ++x) {
-      const double weight = ColourWeight(own_(x, y), own_(x0, y0));
+      const double weight = ColourWeight(own_(x, y), center);
       const Misfits& misfits = MisfitsAt(x, y, plane);
       for (std::size_t i = 0; i < others_.size(); ++i) {
         if (misfits.rho[i] == kNotSeen) continue;

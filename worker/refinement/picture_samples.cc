@@ -6,24 +6,48 @@
 namespace depthfarm {
 namespace {
 
-ColourGrid BlurredAlong(const ColourGrid& in, int dx, int dy) {
-  constexpr std::array<float, 5> kTaps{1.0F / 16, 4.0F / 16, 6.0F / 16, 4.0F / 16, 1.0F / 16};
-  ColourGrid out(in.width(), in.height());
-  for (int y = 0; y < in.height(); ++y) {
-    for (int x = 0; x < in.width(); ++x) {
-      Colour sum{};
-      for (int k = -2; k <= 2; ++k) {
-        const Colour& from = in(std::clamp(x + k * dx, 0, in.width() - 1), std::clamp(y + k * dy, 0, in.height() - 1));
-        for (int i = 0; i < 4; ++i) sum[i] += kTaps[k + 2] * from[i];
-      }
-      out(x, y) = sum;
-    }
-  }
-  return out;
+constexpr std::array<int, 5> kTaps{1, 4, 6, 4, 1};  // sixteenths
+
+// A row in 1/16 grey level.
+void BlurRow(const Ycbcr* in, int width, FineYcbcr* out) {
+  const auto at = [&](int x, auto component) { return static_cast<int>(in[std::clamp(x, 0, width - 1)].*component); };
+  const auto sum = [&](int x, auto component) {
+    int weighted = 0;
+    for (int k = -2; k <= 2; ++k) weighted += kTaps[static_cast<std::size_t>(k + 2)] * at(x + k, component);
+    return static_cast<std::uint16_t>(weighted);
+  };
+  for (int x = 0; x < width; ++x)
+    out[x] = {sum(x, &Ycbcr::y), sum(x, &Ycbcr::cb), sum(x, &Ycbcr::cr), sum(x, &Ycbcr::matte)};
 }
 
 }  // namespace
 
-ColourGrid Blurred(const ColourGrid& colours) { return BlurredAlong(BlurredAlong(colours, 1, 0), 0, 1); }
+FineImage Blurred(const YcbcrImage& picture) {
+  const int height = picture.height();
+  FineImage blurred(picture.width(), height);
+  // The rows around one, each where its number modulo their count says.
+  std::array<std::vector<FineYcbcr>, kTaps.size()> rows;
+  for (auto& row : rows) row.resize(static_cast<std::size_t>(picture.width()));
+  int next = 0;
+  for (int y = 0; y < height; ++y) {
+    for (; next <= std::min(y + 2, height - 1); ++next)
+      BlurRow(picture.row(next), picture.width(), rows[static_cast<std::size_t>(next) % rows.size()].data());
+    std::array<const FineYcbcr*, kTaps.size()> around{};
+    for (int k = -2; k <= 2; ++k) {
+      const auto row = static_cast<std::size_t>(std::clamp(y + k, 0, height - 1));
+      around[static_cast<std::size_t>(k + 2)] = rows[row % rows.size()].data();
+    }
+    FineYcbcr* const out = blurred.row(y);
+    for (int x = 0; x < picture.width(); ++x) {
+      const auto sum = [&](auto component) {
+        int weighted = 0;
+        for (std::size_t k = 0; k < kTaps.size(); ++k) weighted += kTaps[k] * (around[k][x].*component);
+        return static_cast<std::uint16_t>(weighted);
+      };
+      out[x] = {sum(&FineYcbcr::y), sum(&FineYcbcr::cb), sum(&FineYcbcr::cr), sum(&FineYcbcr::matte)};
+    }
+  }
+  return blurred;
+}
 
 }  // namespace depthfarm

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "worker/refinement/colour_weight.h"
 #include "worker/refinement/known_costs.h"
 #include "worker/refinement/patch_cost.h"
 
@@ -162,7 +163,7 @@ PlaneIndex BestPlane(const RefinedView& view, const Choice& choice) {
   return chosen;
 }
 
-void LinkToNeighbours(const ColourGrid& own, Choice& choice) {
+void LinkToNeighbours(const YcbcrImage& own, Choice& choice) {
   for (std::size_t n = 0; n < choice.links.size(); ++n) {
     const int x = choice.x + kFourNeighbours[n].first;
     const int y = choice.y + kFourNeighbours[n].second;
@@ -172,7 +173,7 @@ void LinkToNeighbours(const ColourGrid& own, Choice& choice) {
 
 // The choices at the marked pixels that have one and may move.
 std::vector<Choice> ChoicesAt(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& segments,
-                              const ColourGrid& own, const RefinedView& view) {
+                              const YcbcrImage& own, const RefinedView& view) {
   std::vector<Choice> choices;
   for (int y = 0; y < marked.height(); ++y) {
     for (int x = 0; x < marked.width(); ++x) {
@@ -196,7 +197,7 @@ Grid<std::uint8_t> NearChanges(const std::vector<Choice>& choices, const Refined
 
 }  // namespace
 
-void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
+void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
                   const PriorField* prior, RefinedView& view, const std::stop_token& stop) {
   PatchCost cost(own, others);  // of all passes: planes and maps stay, only who has which plane changes
   KnownCosts known(own.width(), own.height());

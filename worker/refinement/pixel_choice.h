@@ -16,7 +16,7 @@ namespace depthfarm {
 // they are. Where more than a quarter of the picture is near jumps (a thicket), only the higher ones count: those above
 // 1, 2, 4, at most 8 pixels of u. A prior (null: none) speaks for the plane nearest to it. Ends early, with some pixels
 // not chosen, once `stop` is requested.
-void ChoosePlanes(const ColourGrid& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
+void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
                   const PriorField* prior, RefinedView& view, const std::stop_token& stop = {});
 
 }  // namespace depthfarm

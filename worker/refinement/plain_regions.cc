@@ -126,25 +126,28 @@ InverseDepthMap SpreadAlong(const InverseDepthMap& map, int dx, int dy) {
   return spread;
 }
 
+std::int64_t SquaredDifference(const FineYcbcr& a, const FineYcbcr& b) {
+  const auto squared = [](int p, int q) { return std::int64_t{p - q} * (p - q); };
+  return squared(a.y, b.y) + squared(a.cb, b.cb) + squared(a.cr, b.cr) + squared(a.matte, b.matte);
+}
+
 }  // namespace
 
-std::vector<std::uint8_t> PlainSegments(const ColourGrid& smoothed, const SegmentMap& segments) {
+std::vector<std::uint8_t> PlainSegments(const FineImage& smoothed, const SegmentMap& segments) {
+  constexpr double kUnits = 4.0 * kFineScale * kFineScale;  // a power of two: what is divided by it stays exact
   std::vector<std::uint8_t> plain(segments.centers.size());
   for (std::size_t s = 0; s < plain.size(); ++s) {
     const auto [cx, cy] = segments.centers[s];
-    double sum = 0;
+    std::int64_t sum = 0;  // of squares, 1 / (2 kFineScale) grey levels; below 2^40
     int pixels = 0;
     for (int y = std::max(1, cy - 1); y <= std::min(smoothed.height() - 2, cy + 1); ++y) {
       for (int x = std::max(1, cx - 1); x <= std::min(smoothed.width() - 2, cx + 1); ++x) {
-        for (int i = 0; i < 4; ++i) {
-          const double gx = 0.5 * (smoothed(x + 1, y)[i] - smoothed(x - 1, y)[i]);
-          const double gy = 0.5 * (smoothed(x, y + 1)[i] - smoothed(x, y - 1)[i]);
-          sum += gx * gx + gy * gy;
-        }
+        sum += SquaredDifference(smoothed(x + 1, y), smoothed(x - 1, y)) +
+               SquaredDifference(smoothed(x, y + 1), smoothed(x, y - 1));
         ++pixels;
       }
     }
-    plain[s] = pixels > 0 && std::sqrt(sum / pixels) < kPlain ? 1 : 0;
+    plain[s] = pixels > 0 && std::sqrt(static_cast<double>(sum) / kUnits / pixels) < kPlain ? 1 : 0;
   }
   return plain;
 }

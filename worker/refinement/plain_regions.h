@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "common/image/colour_grid.h"
+#include "worker/refinement/picture_samples.h"
 #include "worker/refinement/plane_field.h"
 #include "worker/segmentation/segment_map.h"
 
@@ -13,7 +13,7 @@ namespace depthfarm {
 
 // Per segment: 1 where the picture is so even around its centre that no depth matches better than another there.
 // `smoothed`: the picture after Blurred.
-[[nodiscard]] std::vector<std::uint8_t> PlainSegments(const ColourGrid& smoothed, const SegmentMap& segments);
+[[nodiscard]] std::vector<std::uint8_t> PlainSegments(const FineImage& smoothed, const SegmentMap& segments);
 
 // A surface without texture.
 struct PlainRegion {

@@ -246,7 +246,7 @@ std::optional<PriorField> FitPrior(const ViewPrior& prior, const PriorScale& sca
   return field;
 }
 
-void TakePrior(const ColourGrid& own, const SegmentMap& segments, const PriorField& prior,
+void TakePrior(const PictureColours& own, const SegmentMap& segments, const PriorField& prior,
                std::span<const std::uint8_t> decided, std::span<const OtherView> others, RefinedView& view) {
   const std::size_t num_segments = segments.centers.size();
   struct Misfits {

@@ -55,7 +55,7 @@ struct PriorScale {
 
 // Gives segments the prior's plane where it is to be had and fits the other views better, or where it is trusted and
 // fits about as well. Not to those of which `decided` is 1, nor to kept ones.
-void TakePrior(const ColourGrid& own, const SegmentMap& segments, const PriorField& prior,
+void TakePrior(const PictureColours& own, const SegmentMap& segments, const PriorField& prior,
                std::span<const std::uint8_t> decided, std::span<const OtherView> others, RefinedView& view);
 
 // Draws each segment's plane, at its centre, to the prior, unless that is far off (more than about half a pixel).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <deque>
 #include <string>
 
 #include "worker/refinement/data_term.h"
@@ -42,9 +43,10 @@ Status CheckView(const ResolvedJob& job, int view) {
                          " views is to be refined");
 }
 
-// Per segment of `analysis`: 1 where the picture does not tell its depth. `blurred`: whether `colours` are.
-std::vector<std::uint8_t> PlainSegmentsOf(const ViewAnalysis& analysis, const ColourGrid& colours, bool blurred) {
-  return PlainSegments(blurred ? colours : Blurred(colours), analysis.segments);
+// Per segment of `analysis`: 1 where the picture does not tell its depth. `colours`: of the picture.
+std::vector<std::uint8_t> PlainSegmentsOf(const ViewAnalysis& analysis, const PictureColours& colours) {
+  if (colours.smoothed() != nullptr) return PlainSegments(*colours.smoothed(), analysis.segments);
+  return PlainSegments(Blurred(analysis.picture), analysis.segments);
 }
 
 // What the view's prior says, if it has one that can be used.
@@ -60,10 +62,10 @@ std::optional<PriorField> PriorOf(const ResolvedJob& job, std::size_t view, cons
 }
 
 // Surfaces without texture, each as a whole; then, with a prior (null: none), all other segments. `plain`: of the
-// view's segments. `blurred`: whether `own` and the colours of `others` are smoothed already.
-void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const ColourGrid& own,
-                   std::span<const OtherView> others, bool blurred, std::span<const std::uint8_t> plain,
-                   const PriorField* prior, RefinedView& refined, const std::stop_token& stop) {
+// view's segments.
+void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const PictureColours& own,
+                   std::span<const OtherView> others, std::span<const std::uint8_t> plain, const PriorField* prior,
+                   RefinedView& refined, const std::stop_token& stop) {
   const SegmentMap& segments = analysis[view]->segments;
   const std::vector<PlainRegion> regions = FindPlainRegions(segments, plain, refined);
   std::vector<std::uint8_t> decided(segments.centers.size());
@@ -75,7 +77,7 @@ void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const Colour
   for (const OtherView& other : others) {
     const auto of = static_cast<std::size_t>(other.pair->other);
     occluders.push_back(
-        Occluders(*other.map, analysis[of]->segments.labels, PlainSegmentsOf(*analysis[of], *other.colour, blurred)));
+        Occluders(*other.map, analysis[of]->segments.labels, PlainSegmentsOf(*analysis[of], other.colour)));
   }
   std::vector<OtherView> in_front(others.begin(), others.end());
   for (std::size_t i = 0; i < in_front.size(); ++i) in_front[i].map = &occluders[i];
@@ -163,23 +165,20 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const ViewGeometry geometry = RefinementGeometry(job, view);
   const bool agree = round > rounds - kAgreeingRounds;
   const bool blur = round <= kBlurredRounds && !agree;  // edges are chosen on the pictures as they are
-  const auto colours_of = [&](const YcbcrImage& picture) {
-    ColourGrid colours = ColourOf(picture);
-    return blur ? Blurred(colours) : colours;
+  std::deque<FineImage> smoothed;
+  const auto colours_of = [&](const YcbcrImage& picture) -> PictureColours {
+    if (!blur) return picture;
+    return smoothed.emplace_back(Blurred(picture));
   };
-  const ColourGrid own = colours_of(analysis[v]->picture);
+  const PictureColours own = colours_of(analysis[v]->picture);
   InverseDepthMap map = before[v]->Map();
 
-  std::vector<ColourGrid> colours;
-  std::vector<InverseDepthMap> maps;
-  for (const PairGeometry& pair : geometry.pairs) {
-    const auto other = static_cast<std::size_t>(pair.other);
-    colours.push_back(colours_of(analysis[other]->picture));
-    maps.push_back(before[other]->Map());
-  }
+  std::deque<InverseDepthMap> maps;
   std::vector<OtherView> others;
-  for (std::size_t i = 0; i < colours.size(); ++i) {
-    OtherView other{.pair = &geometry.pairs[i], .colour = &colours[i], .map = &maps[i]};
+  for (const PairGeometry& pair : geometry.pairs) {
+    const auto of = static_cast<std::size_t>(pair.other);
+    OtherView other{.pair = &pair, .colour = colours_of(analysis[of]->picture), .map = nullptr};
+    other.map = &maps.emplace_back(before[of]->Map());
     other.sigma = MeasureNoise(own, map, other);
     others.push_back(other);
   }
@@ -190,23 +189,24 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   std::optional<PriorField> prior;
   std::vector<std::uint8_t> plain;
   if (round == kPlainRound || !analysis[v]->prior.empty()) {
-    plain = PlainSegmentsOf(*analysis[v], own, blur);
+    plain = PlainSegmentsOf(*analysis[v], own);
     prior = PriorOf(job, v, *analysis[v], geometry.pixels_per_inverse_depth, plain, refined);
   }
   const PriorField* prior_or_null = prior.has_value() ? &*prior : nullptr;
   if (round == kPlainRound) {
-    DecideRegions(analysis, v, own, others, blur, plain, prior_or_null, refined, stop);
+    DecideRegions(analysis, v, own, others, plain, prior_or_null, refined, stop);
     if (stop.stop_requested()) return Cancelled();
     map = refined.Map();
   }
   std::vector<NormalEquations> data = DataTerm(own, refined, map, segments.centers, others, blur, stop);
   if (prior_or_null != nullptr) AddPrior(*prior_or_null, refined, segments.centers, data);
   if (agree) AddAgreement(*before[v], segments.centers, others, data);
+  map = {};  // not needed from here on
   if (stop.stop_requested()) return Cancelled();
   const double progress = rounds > 1 ? static_cast<double>(round - 1) / (rounds - 1) : 1;
   SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined);
   if (stop.stop_requested()) return Cancelled();
-  if (agree) ChoosePlanes(own, segments.labels, others, prior_or_null, refined, stop);
+  if (agree) ChoosePlanes(analysis[v]->picture, segments.labels, others, prior_or_null, refined, stop);
   if (stop.stop_requested()) return Cancelled();
   return refined;
 }

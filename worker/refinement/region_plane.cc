@@ -56,7 +56,7 @@ struct Choice {
 // One region of a view.
 class Decision {
  public:
-  Decision(const ColourGrid& own, const SegmentMap& segments, const PlainRegion& region,
+  Decision(const PictureColours& own, const SegmentMap& segments, const PlainRegion& region,
            std::span<const OtherView> others, const PriorField* prior, const RefinedView& view)
       : own_(own), segments_(segments), region_(region), others_(others), prior_(prior), view_(view) {}
 
@@ -270,7 +270,7 @@ class Decision {
     return static_cast<double>(same) >= kPlate * static_cast<double>(depths.size());
   }
 
-  const ColourGrid& own_;
+  PictureColours own_;
   const SegmentMap& segments_;
   const PlainRegion& region_;
   std::span<const OtherView> others_;
@@ -283,7 +283,7 @@ class Decision {
 
 }  // namespace
 
-void DecidePlainRegions(const ColourGrid& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
+void DecidePlainRegions(const PictureColours& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
                         std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
                         const std::stop_token& stop) {
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();

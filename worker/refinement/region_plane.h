@@ -19,7 +19,7 @@ namespace depthfarm {
 // needs evidence. With a prior (null: none) that field is one more of the planes: it wins where it fits about as well
 // as the best and is trusted there, or fits clearly better. `others`: their maps are Occluders. Ends early, with some
 // regions not decided, once `stop` is requested.
-void DecidePlainRegions(const ColourGrid& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
+void DecidePlainRegions(const PictureColours& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
                         std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
                         const std::stop_token& stop = {});
 

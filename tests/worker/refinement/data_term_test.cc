@@ -46,9 +46,9 @@ TEST(DataTerm, HowManyPixelsSpeakDoesNotChangeTheWeight) {
   const double sigma = others[0].sigma;
   for (int y = 0; y < TwoViews::kHeight; ++y) {
     for (int x = 6; x < TwoViews::kWidth; ++x) {
-      const Colour after = TextureAt(x + 0.5, y);
-      const Colour before = TextureAt(x - 0.5, y);
-      expected += SquaredDistance(after, before) / (sigma * sigma);
+      const Colour after = ColourOf(TextureAt(x + 0.5, y));
+      const Colour before = ColourOf(TextureAt(x - 0.5, y));
+      expected += SquaredDistance(VectorOf(after), VectorOf(before)) / (sigma * sigma);
     }
   }
   EXPECT_NEAR(sharp / expected, 1, 0.1);
@@ -68,7 +68,7 @@ TEST(DataTerm, LeavesKeptSegmentsAndTheirPixelsOut) {
 TEST(DataTerm, AnOtherViewThatDoesNotFitCountsLess) {
   const TwoViews good(5);
   TwoViews bad(5);
-  for (Colour& colour : bad.there.values()) colour[0] += 30;
+  for (Ycbcr& pixel : bad.there.values()) pixel.y = static_cast<std::uint8_t>(pixel.y + 30);
   const std::vector<OtherView> others{good.Other(), bad.Other()};
   const RefinedView view = FlatView(5.2);
   const auto both = DataTerm(good.own, view, view.Map(), kCentre, others, false);

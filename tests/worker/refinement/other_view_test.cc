@@ -42,7 +42,7 @@ TEST(SeenIn, NothingOutsideBehindOrHidden) {
 
 TEST(Misfit, IsNoneAtTheTruthAndGrowsToOne) {
   const TwoViews views(5);
-  const auto misfit = [&](double u) { return Misfit(views.own(20, 15), views.Other(), 20, 15, u).value(); };
+  const auto misfit = [&](double u) { return Misfit(ColourOf(views.own(20, 15)), views.Other(), 20, 15, u).value(); };
   EXPECT_LT(misfit(5), 1e-6);
   EXPECT_GT(misfit(5.5), misfit(5.1));
   EXPECT_GT(misfit(8), misfit(5.5));
@@ -51,7 +51,7 @@ TEST(Misfit, IsNoneAtTheTruthAndGrowsToOne) {
 
 TEST(MisfitInFreeSpace, IsHigherWhereTheOtherViewSeesThrough) {
   TwoViews views(5);
-  const Colour& own = views.own(20, 15);
+  const Colour own = ColourOf(views.own(20, 15));
   EXPECT_EQ(MisfitInFreeSpace(own, views.Other(), 20, 15, 5.5), Misfit(own, views.Other(), 20, 15, 5.5));
   const double in_mid_air = Misfit(own, views.Other(), 20, 15, 6.5).value();
   EXPECT_DOUBLE_EQ(MisfitInFreeSpace(own, views.Other(), 20, 15, 6.5).value(), std::min(1.0, 2 * in_mid_air + 0.03));
@@ -71,8 +71,9 @@ TEST(MeasureNoise, FindsTheDeviationOfTheNoise) {
     state = state * 1664525U + 1013904223U;
     return (static_cast<double>(state >> 8) / (1 << 24) - 0.5) * 6 * std::sqrt(12.0);
   };
-  for (Colour& colour : views.own.values())
-    for (int i = 0; i < 3; ++i) colour[i] += static_cast<float>(uniform());
+  for (Ycbcr& pixel : views.own.values())
+    for (std::uint8_t* value : {&pixel.y, &pixel.cb, &pixel.cr})
+      *value = static_cast<std::uint8_t>(std::lround(*value + uniform()));
   EXPECT_NEAR(MeasureNoise(views.own, FlatView(5).Map(), views.Other()), 6, 0.9);
 }
 

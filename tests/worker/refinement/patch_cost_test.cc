@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/worker/refinement/two_views.h"
+#include "worker/refinement/colour_weight.h"
 
 namespace depthfarm {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr double kTrue = 3;
 
 // The cost by its definition.
-double CostPlainly(const ColourGrid& own, const std::vector<OtherView>& others, const SlantedPlane& plane, int x0,
+double CostPlainly(const YcbcrImage& own, const std::vector<OtherView>& others, const SlantedPlane& plane, int x0,
                    int y0) {
   std::vector<double> means;
   for (const OtherView& other : others) {
@@ -23,7 +24,7 @@ double CostPlainly(const ColourGrid& own, const std::vector<OtherView>& others, 
     for (int y = y0 - 1; y <= y0 + 1; ++y) {
       for (int x = x0 - 1; x <= x0 + 1; ++x) {
         if (!own.Contains(x, y)) continue;
-        const std::optional<double> rho = MisfitInFreeSpace(own(x, y), other, x, y, plane.At(x, y));
+        const std::optional<double> rho = MisfitInFreeSpace(ColourOf(own(x, y)), other, x, y, plane.At(x, y));
         if (!rho) continue;
         sum += ColourWeight(own(x, y), own(x0, y0)) * *rho;
         weights += ColourWeight(own(x, y), own(x0, y0));

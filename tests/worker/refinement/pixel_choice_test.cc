@@ -20,7 +20,10 @@ struct Edge {
   RefinedView refined{.planes = {{0, 0, float(kNear)}, {0, 0, float(kFar)}}, .kept = {0, 0}, .plane_of_pixel = {}};
 
   Edge() {
-    const auto dark = [](Colour colour) { return Colour{colour[0] - 90, colour[1], colour[2], 0}; };
+    const auto dark = [](Ycbcr pixel) {
+      pixel.y = static_cast<std::uint8_t>(std::max(0, pixel.y - 40));
+      return pixel;
+    };
     for (int y = 0; y < TwoViews::kHeight; ++y) {
       for (int x = 0; x < TwoViews::kWidth; ++x) {
         if (x < kEdge) views.own(x, y) = dark(TextureAt(x, y));

@@ -33,7 +33,6 @@ class PlainScene {
       }
     }
     segments = DescribeSegments(std::move(cells), picture);
-    own = ColourOf(picture);
     for (const int side : {-1, 1}) {
       PairGeometry pair;
       pair.other = side < 0 ? 1 : 2;
@@ -41,11 +40,11 @@ class PlainScene {
       pair.e = {static_cast<double>(side), 0, 0};
       pair.other_scale = 1;
       pairs.push_back(pair);
-      ColourGrid colour(kWidth, kHeight);
+      YcbcrImage colour(kWidth, kHeight);
       InverseDepthMap map(kWidth, kHeight);
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
-          colour(x, y) = ColourOf(SeenAt(x, y, side));
+          colour(x, y) = SeenAt(x, y, side);
           map(x, y) = static_cast<float>(DepthAt(x, side));
         }
       }
@@ -66,12 +65,12 @@ class PlainScene {
     }
     return view;
   }
-  [[nodiscard]] std::vector<std::uint8_t> Plain() const { return PlainSegments(Blurred(own), segments); }
+  [[nodiscard]] std::vector<std::uint8_t> Plain() const { return PlainSegments(Blurred(picture), segments); }
   // The others' maps are exact but for the board, which hides nothing.
   [[nodiscard]] std::vector<OtherView> Others() const {
     std::vector<OtherView> others;
     for (std::size_t i = 0; i < pairs.size(); ++i)
-      others.push_back({.pair = &pairs[i], .colour = &colours[i], .map = &maps[i]});
+      others.push_back({.pair = &pairs[i], .colour = colours[i], .map = &maps[i]});
     return others;
   }
   [[nodiscard]] static bool OnBoard(double x, int y) { return x >= 32 && x < 92 && y >= 17 && y < 63; }
@@ -81,9 +80,8 @@ class PlainScene {
 
   YcbcrImage picture;
   SegmentMap segments;
-  ColourGrid own;
   std::vector<PairGeometry> pairs;
-  std::vector<ColourGrid> colours;
+  std::vector<YcbcrImage> colours;
   std::vector<InverseDepthMap> maps;
 
  private:

@@ -48,7 +48,7 @@ class PriorOfAScene : public testing::Test {
   // Depth in the middle of the board after regions have been decided.
   [[nodiscard]] double BoardWith(const PriorField* prior) {
     RefinedView view = scene_.View(kGuess);
-    DecidePlainRegions(scene_.own, scene_.segments, FindPlainRegions(scene_.segments, scene_.Plain(), view),
+    DecidePlainRegions(scene_.picture, scene_.segments, FindPlainRegions(scene_.segments, scene_.Plain(), view),
                        scene_.Others(), prior, view);
     return view.At(62, 40);
   }
@@ -148,7 +148,7 @@ TEST_F(PriorOfAScene, ASegmentTakesItWhereItFitsTheOtherViewsBetter) {
   view.kept[kept] = 1;
   std::vector<std::uint8_t> decisions(view.planes.size());
   decisions[decided] = 1;
-  TakePrior(scene_.own, scene_.segments, *prior, decisions, scene_.Others(), view);
+  TakePrior(scene_.picture, scene_.segments, *prior, decisions, scene_.Others(), view);
   EXPECT_NEAR(view.At(12, 70), PlainScene::kWall, 0.01);
   EXPECT_EQ(view.At(12, 10), 8);
   EXPECT_EQ(view.At(102, 70), 8);

@@ -12,7 +12,7 @@ namespace {
 RefinedView Decided(const PlainScene& scene, RefinedView view, const std::stop_token& stop = {}) {
   const std::vector<PlainRegion> regions = FindPlainRegions(scene.segments, scene.Plain(), view);
   const std::vector<OtherView> others = scene.Others();
-  DecidePlainRegions(scene.own, scene.segments, regions, others, nullptr, view, stop);
+  DecidePlainRegions(scene.picture, scene.segments, regions, others, nullptr, view, stop);
   return view;
 }
 

@@ -2,15 +2,16 @@
 #define DEPTHFARM_TESTS_WORKER_REFINEMENT_TWO_VIEWS_H_
 
 #include <cmath>
+#include <cstdint>
 
 #include "worker/refinement/other_view.h"
 
 namespace depthfarm {
 
 // A smooth texture over the plane, in pixels of the first view.
-inline Colour TextureAt(double x, double y) {
+inline Ycbcr TextureAt(double x, double y) {
   const double value = 128 + 40 * std::sin(0.31 * x) + 35 * std::cos(0.23 * y + 0.2 * x);
-  return {static_cast<float>(value), static_cast<float>(100 + 0.2 * value), 128, 0};
+  return {static_cast<std::uint8_t>(value + 0.5), static_cast<std::uint8_t>(100 + 0.2 * value + 0.5), 128, 0};
 }
 
 // Two views side by side of a wall at a constant u: what is at (x, y) in the first is at (x - u, y) in the second,
@@ -33,11 +34,11 @@ struct TwoViews {
   TwoViews(const TwoViews&) = delete;
   TwoViews& operator=(const TwoViews&) = delete;
 
-  [[nodiscard]] OtherView Other() const { return {.pair = &pair, .colour = &there, .map = &there_map}; }
+  [[nodiscard]] OtherView Other() const { return {.pair = &pair, .colour = there, .map = &there_map}; }
 
   PairGeometry pair;
-  ColourGrid own;
-  ColourGrid there;
+  YcbcrImage own;
+  YcbcrImage there;
   InverseDepthMap there_map;
 };
 
