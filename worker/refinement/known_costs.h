@@ -1,10 +1,8 @@
 #ifndef DEPTHFARM_WORKER_REFINEMENT_KNOWN_COSTS_H_
 #define DEPTHFARM_WORKER_REFINEMENT_KNOWN_COSTS_H_
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "common/image/grid.h"
@@ -12,29 +10,35 @@
 
 namespace depthfarm {
 
-// What planes cost at a pixel (PatchCost::At), kept from pass to pass of the choice: there it does not change, and most
-// candidates of a pass are those of the pass before. Per pixel the last kKept; memory: 4 bytes for each pixel of the
-// picture and 128 for each that ever had a cost.
+// What planes cost at pixels (PatchCost::At), kept from pass to pass of the choice: there it does not change, and most
+// candidates of a pass are those of the pass before. Memory: 4 bytes for each pixel of the picture and 24 for each
+// cost.
 class KnownCosts {
  public:
-  static constexpr std::size_t kKept = 10;
+  using Entry = std::uint32_t;  // 0 .. size() - 1, in the order in which they were asked for
 
-  KnownCosts(int width, int height) : slot_(width, height), pixels_(1) {}
+  struct Cost {
+    double value = 0;
+    PlaneIndex plane = 0;
+    std::uint32_t before = 0;  // 1 + the entry of the same pixel before this one; 0: none
+    std::uint16_t x = 0;       // sides are at most kMaxPictureSide
+    std::uint16_t y = 0;
+  };
 
-  // nullopt: not known, or forgotten.
-  [[nodiscard]] std::optional<double> Find(int x, int y, PlaneIndex plane) const;
+  KnownCosts(int width, int height) : last_(width, height) {}
 
-  // To be called for what is not known.
-  void Keep(int x, int y, PlaneIndex plane, double cost);
+  // The entry of a plane at a pixel: a new one, of cost 0, where there is none.
+  [[nodiscard]] Entry EntryOf(int x, int y, PlaneIndex plane);
+
+  void Reserve(std::size_t costs) { costs_.reserve(costs); }
+
+  [[nodiscard]] std::size_t size() const { return costs_.size(); }
+  [[nodiscard]] const Cost& operator[](Entry entry) const { return costs_[entry]; }
+  void Set(Entry entry, double cost) { costs_[entry].value = cost; }
 
  private:
-  struct Pixel {
-    std::array<PlaneIndex, kKept> planes{};
-    std::array<double, kKept> costs{};
-    std::uint32_t count = 0;  // ever kept: the next one goes to count % kKept
-  };
-  Grid<std::uint32_t> slot_;   // of a pixel in pixels_, 0: none yet
-  std::vector<Pixel> pixels_;  // [0] knows nothing
+  Grid<std::uint32_t> last_;  // 1 + the last entry of a pixel; 0: none
+  std::vector<Cost> costs_;
 };
 
 }  // namespace depthfarm

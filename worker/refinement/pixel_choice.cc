@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <cstring>
+#include <numeric>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -26,7 +26,8 @@ constexpr int kReach = 2;           // candidates come from as far, in each pass
 constexpr int kMostPasses = 40;     // usually nothing is left to do before; two choices may swap for ever
 constexpr double kDistinct = 0.15;  // pixels of u between candidates
 constexpr std::size_t kMaxCandidates = 5;
-constexpr double kUnknown = -1;  // cost
+constexpr std::size_t kUsualCandidates = 3;  // of a pixel that has a choice; room for more is made
+constexpr std::size_t kUsualCosts = 5;
 constexpr int kSweeps = 3;
 constexpr std::size_t kCostsBetweenStopChecks = 1U << 12;
 constexpr double kPriorCost = 0.3;  // of rho, for a plane that the prior speaks against
@@ -64,153 +65,215 @@ Grid<std::uint8_t> JumpBand(const InverseDepthMap& map) {
   }
 }
 
-// The planes that one pixel may take.
-struct Choice {
-  int x = 0;
-  int y = 0;
-  std::array<PlaneIndex, kMaxCandidates> planes{};
-  std::array<double, kMaxCandidates> costs{};
-  std::array<double, kMaxCandidates> u{};              // of each plane here
-  std::array<double, kFourNeighbours.size()> links{};  // what another surface at each neighbour costs
-  std::size_t count = 0;
+// A plane that a pixel may take.
+struct Candidate {
+  double u = 0;  // here
+  PlaneIndex plane = 0;
+  KnownCosts::Entry cost = 0;
 };
 
-Choice CandidatesAt(const RefinedView& view, int x, int y) {
-  Choice choice{.x = x, .y = y};
-  const auto offer = [&](int px, int py) {
-    if (!view.plane_of_pixel.Contains(px, py) || choice.count == kMaxCandidates) return;
-    const PlaneIndex plane = view.plane_of_pixel(px, py);
-    const double u = view.planes[plane].At(x, y);
-    for (std::size_t i = 0; i < choice.count; ++i)
-      if (std::abs(choice.u[i] - u) <= kDistinct) return;
-    choice.u[choice.count] = u;
-    choice.planes[choice.count++] = plane;
-  };
-  offer(x, y);
-  for (int d = 1; d <= kReach; ++d)
-    for (const auto& [dx, dy] : kEightDirections) offer(x + d * dx, y + d * dy);
-  return choice;
-}
+// A pixel with more than one candidate; the first is the plane that it has.
+struct Choice {
+  std::uint16_t x = 0;
+  std::uint16_t y = 0;
+  std::uint32_t first = 0;  // of Choices::candidates
+  std::uint32_t count = 0;
+};
 
-// Sets the costs that are known; the others are kUnknown, and true is returned if there are none.
-bool FillKnown(const KnownCosts& known, Choice& choice) {
-  bool all = true;
-  for (std::size_t i = 0; i < choice.count; ++i) {
-    choice.costs[i] = known.Find(choice.x, choice.y, choice.planes[i]).value_or(kUnknown);
-    all = all && choice.costs[i] != kUnknown;
-  }
-  return all;
-}
-
-// Plane by plane, as PatchCost asks for.
-void FillCosts(const RefinedView& view, PatchCost& cost, KnownCosts& known, std::vector<Choice>& choices,
-               const std::stop_token& stop) {
-  struct Candidate {
-    PlaneIndex plane = 0;
-    std::uint32_t choice = 0;
-    std::uint32_t index = 0;
-  };
+struct Choices {
+  std::vector<Choice> all;
   std::vector<Candidate> candidates;
-  for (std::size_t c = 0; c < choices.size(); ++c) {
-    if (FillKnown(known, choices[c])) continue;
-    for (std::size_t i = 0; i < choices[c].count; ++i) {
-      if (choices[c].costs[i] == kUnknown)
-        candidates.push_back({choices[c].planes[i], static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(i)});
-    }
+
+  [[nodiscard]] std::span<const Candidate> Of(const Choice& choice) const {
+    return std::span(candidates).subspan(choice.first, choice.count);
   }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.plane, a.choice) < std::tie(b.plane, b.choice);
-  });
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+};
+
+// Finds the planes around pixels.
+class Surroundings {
+ public:
+  explicit Surroundings(const RefinedView& view) : view_(view) {
+    std::size_t i = 0;
+    for (int d = 1; d <= kReach; ++d)
+      for (const auto& [dx, dy] : kEightDirections)
+        ways_[i++] = d * (dy * std::ptrdiff_t{view.plane_of_pixel.width()} + dx);
+  }
+
+  // How many candidates there are at a pixel, and what they are but for their costs.
+  std::size_t CandidatesAt(int x, int y, std::array<Candidate, kMaxCandidates>& candidates) const {
+    std::array<PlaneIndex, 1 + kNumWays> seen{};  // candidates and what is like one
+    std::size_t num_seen = 0;
+    std::size_t count = 0;
+    const auto offer = [&](PlaneIndex plane) {
+      for (std::size_t i = 0; i < num_seen; ++i)
+        if (seen[i] == plane) return;
+      seen[num_seen++] = plane;
+      const double u = view_.planes[plane].At(x, y);
+      for (std::size_t i = 0; i < count; ++i)
+        if (std::abs(candidates[i].u - u) <= kDistinct) return;
+      candidates[count++] = {.u = u, .plane = plane, .cost = 0};
+    };
+    const Grid<PlaneIndex>& planes = view_.plane_of_pixel;
+    const PlaneIndex* const here = planes.row(y) + x;
+    offer(*here);
+    if (x >= kReach && y >= kReach && x + kReach < planes.width() && y + kReach < planes.height()) {
+      for (std::size_t i = 0; i < kNumWays && count < kMaxCandidates; ++i) offer(here[ways_[i]]);
+      return count;
+    }
+    for (int d = 1; d <= kReach; ++d) {
+      for (const auto& [dx, dy] : kEightDirections)
+        if (count < kMaxCandidates && planes.Contains(x + d * dx, y + d * dy)) offer(planes(x + d * dx, y + d * dy));
+    }
+    return count;
+  }
+
+ private:
+  static constexpr std::size_t kNumWays = kReach * kEightDirections.size();
+
+  const RefinedView& view_;
+  std::array<std::ptrdiff_t, kNumWays> ways_{};  // to the pixels around, in the order in which they are asked
+};
+
+// Sets the costs of the entries from `first` on. Plane by plane and row by row, as PatchCost asks for.
+void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, KnownCosts& known,
+               const std::stop_token& stop) {
+  // Entries are in the order of rows: by the numbers of their planes they stay so.
+  std::vector<std::uint32_t> next(view.planes.size() + 1);
+  for (std::size_t i = first; i < known.size(); ++i) ++next[known[static_cast<KnownCosts::Entry>(i)].plane + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<KnownCosts::Entry> by_plane(known.size() - first);
+  for (std::size_t i = first; i < known.size(); ++i) {
+    const auto entry = static_cast<KnownCosts::Entry>(i);
+    by_plane[next[known[entry].plane]++] = entry;
+  }
+  for (std::size_t i = 0; i < by_plane.size(); ++i) {
     if (i % kCostsBetweenStopChecks == 0 && stop.stop_requested()) return;
-    const auto& [plane, c, index] = candidates[i];
-    Choice& choice = choices[c];
-    choice.costs[index] = cost.At(choice.x, choice.y, plane, view.planes[plane]);
-    known.Keep(choice.x, choice.y, plane, choice.costs[index]);
+    const KnownCosts::Cost& of = known[by_plane[i]];
+    known.Set(by_plane[i], cost.At(of.x, of.y, of.plane, view.planes[of.plane]));
   }
 }
 
-// What the prior has against each plane, where it says something.
-void AddPriorCosts(const Grid<SegmentIndex>& segments, const PriorField& prior, std::vector<Choice>& choices) {
-  for (Choice& choice : choices) {
-    const std::optional<double> u = prior.At(choice.x, choice.y);
-    if (!u) continue;
-    const double weight = kPriorCost * prior.trust[segments(choice.x, choice.y)];
-    for (std::size_t i = 0; i < choice.count; ++i) {
-      const double gap = std::abs(choice.u[i] - *u);
-      choice.costs[i] += weight * std::min(1.0, gap / kPriorScale);
+// What decides between the planes of a pixel.
+class Chooser {
+ public:
+  Chooser(const YcbcrImage& own, const Grid<SegmentIndex>& segments, const PriorField* prior, const KnownCosts& known)
+      : own_(own), segments_(segments), prior_(prior), known_(known) {}
+
+  [[nodiscard]] PlaneIndex Best(const RefinedView& view, const Choice& choice,
+                                std::span<const Candidate> candidates) const {
+    std::array<double, kMaxCandidates> costs{};
+    for (std::size_t i = 0; i < candidates.size(); ++i) costs[i] = known_[candidates[i].cost].value;
+    if (prior_ != nullptr) AddPrior(choice, candidates, costs);
+    for (const auto& [dx, dy] : kFourNeighbours) {
+      const int x = choice.x + dx;
+      const int y = choice.y + dy;
+      if (!own_.Contains(x, y)) continue;
+      const double link = kPairCost * ColourWeight(own_(choice.x, choice.y), own_(x, y));
+      const double beside = view.At(x, y);
+      for (std::size_t i = 0; i < candidates.size(); ++i)
+        costs[i] += link * std::min(1.0, std::abs(beside - candidates[i].u) / kPairScale);
     }
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < candidates.size(); ++i)
+      if (costs[i] < costs[best]) best = i;
+    return candidates[best].plane;
   }
+
+ private:
+  // What the prior has against each plane, where it says something.
+  void AddPrior(const Choice& choice, std::span<const Candidate> candidates,
+                std::array<double, kMaxCandidates>& costs) const {
+    const std::optional<double> u = prior_->At(choice.x, choice.y);
+    if (!u) return;
+    const double weight = kPriorCost * prior_->trust[segments_(choice.x, choice.y)];
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      costs[i] += weight * std::min(1.0, std::abs(candidates[i].u - *u) / kPriorScale);
+  }
+
+  const YcbcrImage& own_;
+  const Grid<SegmentIndex>& segments_;
+  const PriorField* prior_;
+  const KnownCosts& known_;
+};
+
+// The first marked pixel of a row from x on; the width if there is none. Late passes have few.
+int NextMarked(const Grid<std::uint8_t>& marked, int x, int y) {
+  const std::uint8_t* const row = marked.row(y);
+  const void* const found = std::memchr(row + x, 1, static_cast<std::size_t>(marked.width() - x));
+  return found == nullptr ? marked.width() : static_cast<int>(static_cast<const std::uint8_t*>(found) - row);
 }
 
-PlaneIndex BestPlane(const RefinedView& view, const Choice& choice) {
-  std::array<double, kFourNeighbours.size()> beside{};
-  for (std::size_t n = 0; n < beside.size(); ++n) {
-    const auto [dx, dy] = kFourNeighbours[n];
-    if (choice.links[n] > 0) beside[n] = view.At(choice.x + dx, choice.y + dy);
-  }
-  double best = std::numeric_limits<double>::infinity();
-  PlaneIndex chosen = choice.planes[0];
-  for (std::size_t i = 0; i < choice.count; ++i) {
-    double cost = choice.costs[i];
-    for (std::size_t n = 0; n < beside.size(); ++n)
-      cost += choice.links[n] * std::min(1.0, std::abs(beside[n] - choice.u[i]) / kPairScale);
-    if (cost < best) {
-      best = cost;
-      chosen = choice.planes[i];
-    }
-  }
-  return chosen;
-}
-
-void LinkToNeighbours(const YcbcrImage& own, Choice& choice) {
-  for (std::size_t n = 0; n < choice.links.size(); ++n) {
-    const int x = choice.x + kFourNeighbours[n].first;
-    const int y = choice.y + kFourNeighbours[n].second;
-    if (own.Contains(x, y)) choice.links[n] = kPairCost * ColourWeight(own(choice.x, choice.y), own(x, y));
-  }
-}
-
-// The choices at the marked pixels that have one and may move.
-std::vector<Choice> ChoicesAt(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& segments,
-                              const YcbcrImage& own, const RefinedView& view) {
-  std::vector<Choice> choices;
+// Finds the choices at the marked pixels that have one and may move.
+void FindChoices(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& segments, const RefinedView& view,
+                 KnownCosts& known, Choices& choices) {
+  choices.all.clear();
+  choices.candidates.clear();
+  const Surroundings surroundings(view);
+  std::array<Candidate, kMaxCandidates> candidates{};
   for (int y = 0; y < marked.height(); ++y) {
-    for (int x = 0; x < marked.width(); ++x) {
-      if (marked(x, y) == 0 || view.kept[segments(x, y)] != 0) continue;
-      Choice choice = CandidatesAt(view, x, y);
-      if (choice.count < 2) continue;
-      LinkToNeighbours(own, choice);
-      choices.push_back(choice);
+    for (int x = NextMarked(marked, 0, y); x < marked.width(); x = NextMarked(marked, x + 1, y)) {
+      if (view.kept[segments(x, y)] != 0) continue;
+      const std::size_t count = surroundings.CandidatesAt(x, y, candidates);
+      if (count < 2) continue;
+      choices.all.push_back({.x = static_cast<std::uint16_t>(x),
+                             .y = static_cast<std::uint16_t>(y),
+                             .first = static_cast<std::uint32_t>(choices.candidates.size()),
+                             .count = static_cast<std::uint32_t>(count)});
+      for (Candidate& candidate : std::span(candidates).first(count)) {
+        candidate.cost = known.EntryOf(x, y, candidate.plane);
+        choices.candidates.push_back(candidate);
+      }
     }
   }
-  return choices;
 }
 
-// The pixels that may have got another candidate: those near one that has another plane than it had (planes[0]).
-Grid<std::uint8_t> NearChanges(const std::vector<Choice>& choices, const RefinedView& view) {
-  Grid<std::uint8_t> near(view.plane_of_pixel.width(), view.plane_of_pixel.height());
-  for (const Choice& choice : choices)
-    if (view.plane_of_pixel(choice.x, choice.y) != choice.planes[0]) MarkAround(choice.x, choice.y, kReach, near);
-  return near;
+// Chooses in a few sweeps over the pixels. `stale` is 1 at each of them: from the second sweep on only those are asked
+// again of which a neighbour has changed.
+void Sweep(const Chooser& chooser, const Choices& choices, Grid<std::uint8_t>& stale, RefinedView& view) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const Choice& choice : choices.all) {
+      if (stale(choice.x, choice.y) == 0) continue;
+      stale(choice.x, choice.y) = 0;
+      PlaneIndex& now = view.plane_of_pixel(choice.x, choice.y);
+      const PlaneIndex best = chooser.Best(view, choice, choices.Of(choice));
+      if (best == now) continue;
+      now = best;
+      for (const auto& [dx, dy] : kFourNeighbours)
+        if (stale.Contains(choice.x + dx, choice.y + dy)) stale(choice.x + dx, choice.y + dy) = 1;
+    }
+  }
+}
+
+// Marks the pixels that may have got another candidate: those near one that has another plane than it had.
+void MarkNearChanges(const Choices& choices, const RefinedView& view, Grid<std::uint8_t>& near) {
+  std::fill(near.values().begin(), near.values().end(), std::uint8_t{0});
+  for (const Choice& choice : choices.all) {
+    if (view.plane_of_pixel(choice.x, choice.y) != choices.candidates[choice.first].plane)
+      MarkAround(choice.x, choice.y, kReach, near);
+  }
 }
 
 }  // namespace
 
 void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
                   const PriorField* prior, RefinedView& view, const std::stop_token& stop) {
-  PatchCost cost(own, others);  // of all passes: planes and maps stay, only who has which plane changes
-  KnownCosts known(own.width(), own.height());
+  PatchCost cost(own, others);
+  KnownCosts known(own.width(), own.height());  // of all passes: planes and maps stay, only who has which plane changes
+  const Chooser chooser(own, segments, prior, known);
   Grid<std::uint8_t> open = JumpBand(view.Map());
+  const auto band = static_cast<std::size_t>(std::count(open.values().begin(), open.values().end(), 1));
+  Choices choices;
+  choices.all.reserve(band);
+  choices.candidates.reserve(kUsualCandidates * band);
+  known.Reserve(kUsualCosts * band);
   for (int pass = 0; pass < kMostPasses && !stop.stop_requested(); ++pass) {
-    std::vector<Choice> choices = ChoicesAt(open, segments, own, view);
-    if (choices.empty()) return;
-    FillCosts(view, cost, known, choices, stop);
+    const std::size_t known_before = known.size();
+    FindChoices(open, segments, view, known, choices);
+    if (choices.all.empty()) return;
+    FillCosts(view, known_before, cost, known, stop);
     if (stop.stop_requested()) return;
-    if (prior != nullptr) AddPriorCosts(segments, *prior, choices);
-    for (int sweep = 0; sweep < kSweeps; ++sweep)
-      for (const Choice& choice : choices) view.plane_of_pixel(choice.x, choice.y) = BestPlane(view, choice);
-    open = NearChanges(choices, view);
+    Sweep(chooser, choices, open, view);
+    MarkNearChanges(choices, view, open);
   }
 }
 

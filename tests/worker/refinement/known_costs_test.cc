@@ -5,30 +5,30 @@
 namespace depthfarm {
 namespace {
 
-TEST(KnownCosts, KnowsNothingAtFirst) {
-  const KnownCosts known(4, 3);
-  EXPECT_EQ(known.Find(0, 0, 0), std::nullopt);
-  EXPECT_EQ(known.Find(3, 2, 7), std::nullopt);
-}
-
-TEST(KnownCosts, KeepsEachPixelsOwn) {
+TEST(KnownCosts, APlaneAtAPixelKeepsItsEntryAndCost) {
   KnownCosts known(4, 3);
-  known.Keep(1, 2, 7, 0.25);
-  known.Keep(3, 0, 7, 0.5);
-  known.Keep(1, 2, 0, 0.75);
-  EXPECT_EQ(known.Find(1, 2, 7), 0.25);
-  EXPECT_EQ(known.Find(3, 0, 7), 0.5);
-  EXPECT_EQ(known.Find(1, 2, 0), 0.75);
-  EXPECT_EQ(known.Find(3, 0, 0), std::nullopt);
-  EXPECT_EQ(known.Find(2, 1, 7), std::nullopt);
+  const auto first = known.EntryOf(1, 2, 7);
+  known.Set(first, 0.25);
+  const auto other_pixel = known.EntryOf(3, 0, 7);
+  known.Set(other_pixel, 0.5);
+  const auto other_plane = known.EntryOf(1, 2, 0);
+  known.Set(other_plane, 0.75);
+  EXPECT_EQ(known.size(), 3);
+  EXPECT_EQ(known.EntryOf(1, 2, 7), first);
+  EXPECT_EQ(known.EntryOf(3, 0, 7), other_pixel);
+  EXPECT_EQ(known.EntryOf(1, 2, 0), other_plane);
+  EXPECT_EQ(known.size(), 3);
+  EXPECT_EQ(known[first].value, 0.25);
+  EXPECT_EQ(known[other_pixel].value, 0.5);
+  EXPECT_EQ(known[other_plane].value, 0.75);
 }
 
-TEST(KnownCosts, ForgetsTheOldestOfAPixel) {
-  KnownCosts known(1, 1);
-  constexpr PlaneIndex kCount = KnownCosts::kKept + 3;
-  for (PlaneIndex plane = 0; plane < kCount; ++plane) known.Keep(0, 0, plane, plane);
-  for (PlaneIndex plane = 0; plane < 3; ++plane) EXPECT_EQ(known.Find(0, 0, plane), std::nullopt);
-  for (PlaneIndex plane = 3; plane < kCount; ++plane) EXPECT_EQ(known.Find(0, 0, plane), plane);
+TEST(KnownCosts, EntriesAreInTheOrderInWhichTheyWereAskedFor) {
+  KnownCosts known(4, 3);
+  for (PlaneIndex plane = 0; plane < 5; ++plane) EXPECT_EQ(known.EntryOf(3, 2, 4 - plane), plane);
+  EXPECT_EQ(known[2].plane, 2);
+  EXPECT_EQ(known[2].x, 3);
+  EXPECT_EQ(known[2].y, 2);
 }
 
 }  // namespace
