@@ -29,47 +29,73 @@ struct Fit {
   NormalEquations equations;
 };
 
+// A pixel that another view sees.
+struct SeenPixel {
+  int x = 0;
+  PlaneIndex segment = 0;
+  Seen seen;
+};
+
 // What the misfit of one pixel says of its u: weight g (g du + r), summed over the components.
 struct PixelFit {
+  int x = 0;
+  PlaneIndex segment = 0;
   double rho = 0;
   double gg = 0;
   double gr = 0;
 };
 
+// Compares pixels with one other view. Pixel: of its picture.
 template <typename Pixel>
-bool Inside(const Grid<Pixel>& picture, double x, double y) {
-  return x >= 0 && y >= 0 && x <= picture.width() - 1 && y <= picture.height() - 1;
-}
+class Comparison {
+ public:
+  // `base`: weight of a pixel whose colours fit.
+  Comparison(const OtherView& other, const Grid<Pixel>& picture, double base)
+      : sampler_(picture),
+        right_(picture.width() - 1),
+        bottom_(picture.height() - 1),
+        inverse_scale_(1 / (kKappa * kKappa * other.sigma * other.sigma)),
+        base_(base) {}
 
-// nullopt where the colour half a pixel before or behind in the direction of motion is not seen, or nothing moves.
-template <typename Pixel>
-std::optional<PixelFit> FitOfPixel(const Grid<Pixel>& picture, const Seen& seen, const Colour& own,
-                                   double inverse_scale, double base) {
-  const double squared = seen.dx * seen.dx + seen.dy * seen.dy;
-  if (!(squared > 1e-18)) return std::nullopt;
-  const double motion = std::sqrt(squared);
-  const double half = 0.5 / motion;
-  const double nx = half * seen.dx;
-  const double ny = half * seen.dy;
-  if (!Inside(picture, seen.x - nx, seen.y - ny) || !Inside(picture, seen.x + nx, seen.y + ny)) return std::nullopt;
-  const ColourVector gradient =
-      SampleAt(picture, seen.x + nx, seen.y + ny) - SampleAt(picture, seen.x - nx, seen.y - ny);
-  const ColourVector difference = SampleAt(picture, seen.x, seen.y) - VectorOf(own);
-  double gg = 0;
-  double gr = 0;
-  double rr = 0;
-  for (int i = 0; i < 3; ++i) {
-    const double g = gradient[i];
-    const double r = difference[i];
-    gg += g * g;
-    gr += g * r;
-    rr += r * r;
+  // False where the colour half a pixel before or behind in the direction of motion is not seen, or nothing moves.
+  [[nodiscard, gnu::always_inline]] bool Fit(const Seen& seen, const Colour& own, PixelFit& fit) const {
+    const double squared = seen.dx * seen.dx + seen.dy * seen.dy;
+    if (!(squared > 1e-18)) return false;
+    const double motion = std::sqrt(squared);
+    const DoublePair at{seen.x, seen.y};
+    const DoublePair half_way = 0.5 / motion * DoublePair{seen.dx, seen.dy};
+    const DoublePair before = at - half_way;
+    const DoublePair after = at + half_way;
+    if (!Inside(before) || !Inside(after)) return false;
+    const ColourVector gradient = sampler_.At(after) - sampler_.At(before);
+    const ColourVector difference = sampler_.At(at) - VectorOf(own);
+    double gg = 0;
+    double gr = 0;
+    double rr = 0;
+    for (int i = 0; i < 3; ++i) {
+      const double g = gradient[i];
+      const double r = difference[i];
+      gg += g * g;
+      gr += g * r;
+      rr += r * r;
+    }
+    const double t = rr * inverse_scale_;
+    const double robust = 1 / (1 + t);
+    const double weight = base_ * robust * robust;
+    fit.rho = t * robust;
+    fit.gg = weight * squared * gg;
+    fit.gr = weight * motion * gr;
+    return true;
   }
-  const double t = rr * inverse_scale;
-  const double robust = 1 / (1 + t);
-  const double weight = base * robust * robust;
-  return PixelFit{.rho = t * robust, .gg = weight * squared * gg, .gr = weight * motion * gr};
-}
+
+ private:
+  [[nodiscard]] bool Inside(DoublePair p) const { return p[0] >= 0 && p[1] >= 0 && p[0] <= right_ && p[1] <= bottom_; }
+
+  Sampler<Pixel> sampler_;
+  double right_, bottom_;
+  double inverse_scale_;
+  double base_;
+};
 
 // Adds the pixel (px, py) from the segment's centre.
 void AddPixel(const PixelFit& pixel, double px, double py, Fit& fit) {
@@ -87,24 +113,42 @@ void AddPixel(const PixelFit& pixel, double px, double py, Fit& fit) {
   rhs[2] -= pixel.gr;
 }
 
-// `picture`: the other view's.
+// `picture`: the other view's. Piece by piece of a row, each step for all its pixels: what one pixel waits for (a
+// division, a root, a value of the map) is of no concern to the next.
 template <typename Pixel>
 std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture, const PictureColours& own,
                              const RefinedView& refined, const InverseDepthMap& map,
                              std::span<const PixelPosition> centers, bool blurred, const std::stop_token& stop) {
+  constexpr int kPiece = 64;  // pixels
   std::vector<Fit> fits(centers.size());
   const Sampling sampling = blurred ? kSmoothed : kSharp;
   const int share = sampling.row_step * sampling.column_step;
   const double base = share / (other.sigma * other.sigma * (blurred ? kBlurArea : 1));
-  const double inverse_scale = 1 / (kKappa * kKappa * other.sigma * other.sigma);
+  const Sight sight(*other.pair, *other.map);
+  const Comparison<Pixel> comparison(other, picture, base);
+  std::array<SeenPixel, kPiece> seen_pixels{};
+  std::array<PixelFit, kPiece> pixel_fits{};
   for (int y = 0; y < own.height() && !stop.stop_requested(); y += sampling.row_step) {
-    for (int x = y % sampling.column_step; x < own.width(); x += sampling.column_step) {
-      const PlaneIndex s = refined.plane_of_pixel(x, y);
-      if (!refined.IsFree(s)) continue;
-      const auto seen = SeenIn(*other.pair, *other.map, x, y, map(x, y));
-      if (!seen) continue;
-      const auto pixel = FitOfPixel(picture, *seen, own(x, y), inverse_scale, base);
-      if (pixel) AddPixel(*pixel, x - centers[s].x, y - centers[s].y, fits[s]);
+    for (int left = y % sampling.column_step; left < own.width(); left += kPiece * sampling.column_step) {
+      const int right = std::min(own.width(), left + kPiece * sampling.column_step);
+      std::size_t num_seen = 0;
+      for (int x = left; x < right; x += sampling.column_step) {
+        const PlaneIndex s = refined.plane_of_pixel(x, y);
+        if (!refined.IsFree(s)) continue;
+        if (const auto seen = sight.Of(x, y, map(x, y)))
+          seen_pixels[num_seen++] = {.x = x, .segment = s, .seen = *seen};
+      }
+      std::size_t num_fits = 0;
+      for (const SeenPixel& pixel : std::span(seen_pixels).first(num_seen)) {
+        PixelFit& fit = pixel_fits[num_fits];
+        fit.x = pixel.x;
+        fit.segment = pixel.segment;
+        if (comparison.Fit(pixel.seen, own(pixel.x, y), fit)) ++num_fits;
+      }
+      for (const PixelFit& fit : std::span(pixel_fits).first(num_fits)) {
+        const PixelPosition& center = centers[fit.segment];
+        AddPixel(fit, fit.x - center.x, y - center.y, fits[fit.segment]);
+      }
     }
   }
   return fits;

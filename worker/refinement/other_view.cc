@@ -15,10 +15,11 @@ constexpr double kMedianOfNorm = 1.54;  // median length of a vector of three no
 }  // namespace
 
 double MeasureNoise(const PictureColours& own, const InverseDepthMap& map, const OtherView& other) {
+  const Sight sight(*other.pair, *other.map);
   std::vector<double> squares;
   for (int y = 1; y < own.height(); y += kSampleStep) {
     for (int x = 1; x < own.width(); x += kSampleStep) {
-      const auto seen = SeenIn(*other.pair, *other.map, x, y, map(x, y));
+      const auto seen = sight.Of(x, y, map(x, y));
       if (seen) squares.push_back(SquaredDistance(other.colour.Between(seen->x, seen->y), VectorOf(own(x, y))));
     }
   }

@@ -2,6 +2,8 @@
 #define DEPTHFARM_WORKER_REFINEMENT_OTHER_VIEW_H_
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <optional>
 
 #include "worker/refinement/picture_samples.h"
@@ -40,24 +42,49 @@ inline constexpr double kHiddenBy = 1;  // pixels of u: a surface as much nearer
   return static_cast<int>(half_up);
 }
 
-// nullopt: outside the other view, behind it, or hidden there by a surface more than kHiddenBy nearer in `other_map`.
+// Where pixels of a view appear in another one; both x and y in one register. Refers to `other_map`.
+class Sight {
+ public:
+  Sight(const PairGeometry& pair, const InverseDepthMap& other_map)
+      : of_x_{pair.m(0, 0), pair.m(1, 0)},
+        of_y_{pair.m(0, 1), pair.m(1, 1)},
+        of_one_{pair.m(0, 2), pair.m(1, 2)},
+        of_u_{pair.e[0], pair.e[1]},
+        depth_{pair.m(2, 0), pair.m(2, 1), pair.m(2, 2), pair.e[2]},
+        other_scale_(pair.other_scale),
+        right_(other_map.width() - 1),
+        bottom_(other_map.height() - 1),
+        map_(other_map.row(0)),
+        width_(other_map.width()) {}
+
+  // nullopt: outside the other view, behind it, or hidden there by a surface more than kHiddenBy nearer.
+  [[nodiscard, gnu::always_inline]] std::optional<Seen> Of(double x, double y, double u) const {
+    const double qz = depth_[0] * x + depth_[1] * y + depth_[2] + depth_[3] * u;
+    if (!(qz > 1e-6)) return std::nullopt;
+    const double inverse = 1 / qz;
+    const DoublePair at = (of_x_ * x + of_y_ * y + of_one_ + of_u_ * u) * inverse;
+    if (!(at[0] >= 0 && at[1] >= 0 && at[0] <= right_ && at[1] <= bottom_)) return std::nullopt;
+    const double u_in_other = other_scale_ * u * inverse;
+    const IntPair nearest = WholePart(at + 0.5);
+    const float there = map_[static_cast<std::ptrdiff_t>(nearest[1]) * width_ + nearest[0]];
+    if (there > u_in_other + kHiddenBy) return std::nullopt;
+    const DoublePair motion = (of_u_ - at * depth_[3]) * inverse;
+    return Seen{.x = at[0], .y = at[1], .u_in_other = u_in_other, .dx = motion[0], .dy = motion[1]};
+  }
+
+ private:
+  DoublePair of_x_, of_y_, of_one_, of_u_;  // of the position
+  std::array<double, 4> depth_;             // of q_z: x, y, 1, u
+  double other_scale_;
+  double right_, bottom_;
+  const float* map_;
+  std::ptrdiff_t width_;
+};
+
+// Sight of one pixel.
 [[nodiscard]] inline std::optional<Seen> SeenIn(const PairGeometry& pair, const InverseDepthMap& other_map, double x,
                                                 double y, double u) {
-  const Eigen::Matrix3d& m = pair.m;
-  const double qz = m(2, 0) * x + m(2, 1) * y + m(2, 2) + pair.e[2] * u;
-  if (!(qz > 1e-6)) return std::nullopt;
-  const double inverse = 1 / qz;
-  Seen seen;
-  seen.x = (m(0, 0) * x + m(0, 1) * y + m(0, 2) + pair.e[0] * u) * inverse;
-  seen.y = (m(1, 0) * x + m(1, 1) * y + m(1, 2) + pair.e[1] * u) * inverse;
-  if (!(seen.x >= 0 && seen.y >= 0 && seen.x <= other_map.width() - 1 && seen.y <= other_map.height() - 1))
-    return std::nullopt;
-  seen.u_in_other = pair.other_scale * u * inverse;
-  const float there = other_map(NearestPixel(seen.x), NearestPixel(seen.y));
-  if (there > seen.u_in_other + kHiddenBy) return std::nullopt;
-  seen.dx = (pair.e[0] - seen.x * pair.e[2]) * inverse;
-  seen.dy = (pair.e[1] - seen.y * pair.e[2]) * inverse;
-  return seen;
+  return Sight(pair, other_map).Of(x, y, u);
 }
 
 // Squared distance of two colours over Y, Cb, Cr.

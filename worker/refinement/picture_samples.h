@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_WORKER_REFINEMENT_PICTURE_SAMPLES_H_
 #define DEPTHFARM_WORKER_REFINEMENT_PICTURE_SAMPLES_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
@@ -82,19 +83,41 @@ struct TwoColours {
 
 }  // namespace picture_samples_internal
 
-// Bilinear; (x, y) must lie in [0, W - 1] x [0, H - 1], W and H at least 2. Pixel: Ycbcr or FineYcbcr.
+// Two numbers in one register: a position (x, y), or a way.
+using DoublePair = double __attribute__((vector_size(16)));
+
+// The whole part of numbers that are not negative.
+using IntPair = std::int32_t __attribute__((vector_size(8)));
+[[nodiscard]] inline IntPair WholePart(DoublePair position) { return __builtin_convertvector(position, IntPair); }
+
+// Samples a picture between its pixels, bilinearly. Refers to the picture, of at least 2 x 2 pixels. Pixel: Ycbcr or
+// FineYcbcr.
 template <typename Pixel>
-[[nodiscard, gnu::always_inline]] inline ColourVector SampleAt(const Grid<Pixel>& picture, double x, double y) {
-  const int x0 = x >= picture.width() - 1 ? picture.width() - 2 : static_cast<int>(x);
-  const int y0 = y >= picture.height() - 1 ? picture.height() - 2 : static_cast<int>(y);
-  const auto fx = static_cast<float>(x - x0);
-  const auto fy = static_cast<float>(y - y0);
-  const auto top = picture_samples_internal::LoadTwo(picture.row(y0) + x0);
-  const auto bottom = picture_samples_internal::LoadTwo(picture.row(y0 + 1) + x0);
-  const ColourVector upper = top.left + fx * (top.right - top.left);
-  const ColourVector lower = bottom.left + fx * (bottom.right - bottom.left);
-  return upper + fy * (lower - upper);
-}
+class Sampler {
+ public:
+  explicit Sampler(const Grid<Pixel>& picture)
+      : pixels_(picture.row(0)), width_(picture.width()), last_{picture.width() - 2, picture.height() - 2} {}
+
+  // `position` must lie in [0, W - 1] x [0, H - 1].
+  [[nodiscard, gnu::always_inline]] ColourVector At(DoublePair position) const {
+    IntPair corner = WholePart(position);
+    corner += corner > last_;  // that is -1 where it holds: on the last column or row, which has none beside it
+    const auto fraction = __builtin_convertvector(position - __builtin_convertvector(corner, DoublePair), FloatPair);
+    const Pixel* const top_pixels = pixels_ + (static_cast<std::ptrdiff_t>(corner[1]) * width_ + corner[0]);
+    const auto top = picture_samples_internal::LoadTwo(top_pixels);
+    const auto bottom = picture_samples_internal::LoadTwo(top_pixels + width_);
+    const ColourVector upper = top.left + fraction[0] * (top.right - top.left);
+    const ColourVector lower = bottom.left + fraction[0] * (bottom.right - bottom.left);
+    return upper + fraction[1] * (lower - upper);
+  }
+
+ private:
+  using FloatPair = float __attribute__((vector_size(8)));
+
+  const Pixel* pixels_;
+  std::ptrdiff_t width_;
+  IntPair last_;
+};
 
 // The colours of a picture as it is or smoothed. Refers to the picture, which must outlive it; cheap to copy.
 class PictureColours {
@@ -112,9 +135,10 @@ class PictureColours {
   [[nodiscard]] Colour operator()(int x, int y) const {
     return smoothed_ != nullptr ? ColourOf((*smoothed_)(x, y)) : ColourOf((*sharp_)(x, y));
   }
-  // As SampleAt.
+  // As Sampler::At.
   [[nodiscard]] ColourVector Between(double x, double y) const {
-    return smoothed_ != nullptr ? SampleAt(*smoothed_, x, y) : SampleAt(*sharp_, x, y);
+    const DoublePair position{x, y};
+    return smoothed_ != nullptr ? Sampler(*smoothed_).At(position) : Sampler(*sharp_).At(position);
   }
   // Calls `use` with the picture, a YcbcrImage or a FineImage: what asks for many pixels need not tell each time.
   template <typename Use>

@@ -68,7 +68,7 @@ Colour SampledPlainly(const Grid<Pixel>& picture, double x, double y) {
   return result;
 }
 
-TEST(SampleAt, IsBilinearToTheLastBitUpToTheLastPixel) {
+TEST(Sampler, IsBilinearToTheLastBitUpToTheLastPixel) {
   const YcbcrImage picture = AnyPicture(11, 7);
   const FineImage blurred = Blurred(picture);
   for (double y = 0; y <= 6; y += 0.375) {
