@@ -145,6 +145,7 @@ Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
   }
   DEPTHFARM_RETURN_IF_ERROR(CheckFrame(task.spec, task.job()));
   DEPTHFARM_RETURN_IF_ERROR(CheckKind(task.spec.id, task.config));
+  for (const ArtifactKey& key : passed_rounds_.PassedBy(task.spec)) cache_.Erase(key);
   switch (task.spec.id.kind) {
     case TaskKind::kAnalyse:
       return Analyse(task, outcome);

@@ -11,6 +11,7 @@
 #include "worker/artifacts/store.h"
 #include "worker/estimation/reward_floors.h"
 #include "worker/execution/artifact_fetcher.h"
+#include "worker/execution/passed_rounds.h"
 #include "worker/execution/task_inputs.h"
 
 namespace depthfarm {
@@ -70,6 +71,7 @@ class TaskExecutor {
   MemoryCache& cache_;
   ArtifactFetcher& fetcher_;
   FloorMemory floors_;
+  PassedRounds passed_rounds_;
 };
 
 }  // namespace depthfarm
