@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <numeric>
 #include <vector>
@@ -22,26 +23,28 @@ constexpr int kSweeps = 12;
 // (a, b, u at the centre).
 using Local = std::array<double, 3>;
 
-// What a neighbour's plane adds to a segment's equations: its weight, times the way to its centre.
+// A neighbour: 16 bytes, for the sweeps read all of them again and again and wait for memory, not for arithmetic.
 struct Link {
   SegmentIndex other = 0;
-  double dx = 0;  // other's centre - own
-  double dy = 0;
+  std::int16_t dx = 0;  // other's centre - own; sides are at most kMaxPictureSide
+  std::int16_t dy = 0;
   double weight = 0;
-  double weight_dx = 0;
-  double weight_dy = 0;
-  double slope = 0;
 };
 
-Link LinkTo(SegmentIndex other, double dx, double dy, double weight) {
-  return {.other = other,
-          .dx = dx,
-          .dy = dy,
-          .weight = weight,
-          .weight_dx = weight * dx,
-          .weight_dy = weight * dy,
-          .slope = weight * kSlopeCoupling * (dx * dx + dy * dy)};
-}
+// What a neighbour's plane adds to a segment's equations: its weight, times the way to its centre.
+struct Terms {
+  explicit Terms(const Link& link)
+      : dx(link.dx),
+        dy(link.dy),
+        weight_dx(link.weight * dx),
+        weight_dy(link.weight * dy),
+        slope(link.weight * kSlopeCoupling * (dx * dx + dy * dy)) {}
+  double dx;
+  double dy;
+  double weight_dx;
+  double weight_dy;
+  double slope;
+};
 
 // The links of each segment, one after the other: those of s are [first[s], first[s + 1]).
 struct Links {
@@ -70,14 +73,14 @@ Links LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_sc
   links.all.resize(links.first.back());
   std::vector<std::size_t> next(links.first.begin(), links.first.end() - 1);
   for (const auto& [s, t] : map.adjacency) {
-    const double dx = map.centers[t].x - map.centers[s].x;
-    const double dy = map.centers[t].y - map.centers[s].y;
+    const int dx = map.centers[t].x - map.centers[s].x;
+    const int dy = map.centers[t].y - map.centers[s].y;
     const double gap = Gap(start[s], start[t], dx, dy) / gap_scale;
     const double colour = static_cast<double>(L1Distance(map.means[s], map.means[t])) / kMeanColorScale;
     const double robust = 1 / (1 + gap * gap);
     const double weight = kLambda * robust * robust / (1 + colour / kColourScale);
-    links.all[next[s]++] = LinkTo(t, dx, dy, weight);
-    links.all[next[t]++] = LinkTo(s, -dx, -dy, weight);
+    links.all[next[s]++] = {t, static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy), weight};
+    links.all[next[t]++] = {s, static_cast<std::int16_t>(-dx), static_cast<std::int16_t>(-dy), weight};
   }
   return links;
 }
@@ -101,11 +104,12 @@ Equations EquationsOf(const NormalEquations& data, const Local& start, std::span
   }
   for (const Link& link : links) {
     // At the other's centre: (dx, dy, 1) . p = its u.
-    h[0] += link.weight_dx * link.dx + link.slope;
-    h[1] += link.weight_dx * link.dy;
-    h[2] += link.weight_dx;
-    h[3] += link.weight_dy * link.dy + link.slope;
-    h[4] += link.weight_dy;
+    const Terms terms(link);
+    h[0] += terms.weight_dx * terms.dx + terms.slope;
+    h[1] += terms.weight_dx * terms.dy;
+    h[2] += terms.weight_dx;
+    h[3] += terms.weight_dy * terms.dy + terms.slope;
+    h[4] += terms.weight_dy;
     h[5] += 2 * link.weight;  // and at the own centre: u = the other's plane
   }
   return {SymmetricFactor(h), r};
@@ -115,9 +119,10 @@ Local RightSide(const Equations& equations, std::span<const Link> links, std::sp
   Local r = equations.rhs;
   for (const Link& link : links) {
     const Local& q = now[link.other];
-    r[0] += link.weight_dx * q[2] + link.slope * q[0];
-    r[1] += link.weight_dy * q[2] + link.slope * q[1];
-    r[2] += link.weight * (2 * q[2] - q[0] * link.dx - q[1] * link.dy);
+    const Terms terms(link);
+    r[0] += terms.weight_dx * q[2] + terms.slope * q[0];
+    r[1] += terms.weight_dy * q[2] + terms.slope * q[1];
+    r[2] += link.weight * (2 * q[2] - q[0] * terms.dx - q[1] * terms.dy);
   }
   return r;
 }
