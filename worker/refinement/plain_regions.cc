@@ -113,17 +113,15 @@ class Regions {
   std::int32_t next_ = 0;
 };
 
-// Each pixel the largest of those up to `radius` away along one axis.
-InverseDepthMap SpreadAlong(const InverseDepthMap& map, int dx, int dy) {
-  InverseDepthMap spread(map.width(), map.height(), kNothing);
-  for (int y = 0; y < map.height(); ++y) {
-    for (int x = 0; x < map.width(); ++x) {
-      for (int k = -kSpread; k <= kSpread; ++k) {
-        if (map.Contains(x + k * dx, y + k * dy)) spread(x, y) = std::max(spread(x, y), map(x + k * dx, y + k * dy));
-      }
-    }
+// Each value the largest of those up to kSpread away.
+void SpreadRow(std::span<const float> row, std::span<float> spread) {
+  const auto width = static_cast<int>(row.size());
+  for (int x = 0; x < width; ++x) {
+    float largest = row[static_cast<std::size_t>(x)];
+    for (int at = std::max(0, x - kSpread); at <= std::min(width - 1, x + kSpread); ++at)
+      largest = std::max(largest, row[static_cast<std::size_t>(at)]);
+    spread[static_cast<std::size_t>(x)] = largest;
   }
-  return spread;
 }
 
 std::int64_t SquaredDifference(const FineYcbcr& a, const FineYcbcr& b) {
@@ -159,10 +157,19 @@ std::vector<PlainRegion> FindPlainRegions(const SegmentMap& segments, std::span<
 
 InverseDepthMap Occluders(const InverseDepthMap& map, const Grid<SegmentIndex>& labels,
                           std::span<const std::uint8_t> plain) {
-  InverseDepthMap known = map;
-  for (std::size_t i = 0; i < known.size(); ++i)
-    if (plain[labels.values()[i]] != 0) known.values()[i] = kNothing;
-  return SpreadAlong(SpreadAlong(known, 1, 0), 0, 1);
+  const auto width = static_cast<std::size_t>(map.width());
+  InverseDepthMap occluders(map.width(), map.height(), kNothing);
+  std::vector<float> known(width);
+  std::vector<float> spread(width);
+  for (int y = 0; y < map.height(); ++y) {
+    for (std::size_t x = 0; x < width; ++x) known[x] = plain[labels.row(y)[x]] != 0 ? kNothing : map.row(y)[x];
+    SpreadRow(known, spread);
+    for (int to = std::max(0, y - kSpread); to <= std::min(map.height() - 1, y + kSpread); ++to) {
+      float* const row = occluders.row(to);
+      for (std::size_t x = 0; x < width; ++x) row[x] = std::max(row[x], spread[x]);
+    }
+  }
+  return occluders;
 }
 
 }  // namespace depthfarm
