@@ -69,16 +69,14 @@ class Comparison {
     if (!Inside(before) || !Inside(after)) return false;
     const ColourVector gradient = sampler_.At(after) - sampler_.At(before);
     const ColourVector difference = sampler_.At(at) - VectorOf(own);
-    double gg = 0;
-    double gr = 0;
-    double rr = 0;
-    for (int i = 0; i < 3; ++i) {
-      const double g = gradient[i];
-      const double r = difference[i];
-      gg += g * g;
-      gr += g * r;
-      rr += r * r;
-    }
+    // Of each component both numbers in one register.
+    const DoublePair y = __builtin_convertvector(__builtin_shufflevector(gradient, difference, 0, 4), DoublePair);
+    const DoublePair cb = __builtin_convertvector(__builtin_shufflevector(gradient, difference, 1, 5), DoublePair);
+    const DoublePair cr = __builtin_convertvector(__builtin_shufflevector(gradient, difference, 2, 6), DoublePair);
+    const DoublePair squares = y * y + cb * cb + cr * cr;
+    const double gg = squares[0];
+    const double rr = squares[1];
+    const double gr = y[0] * y[1] + cb[0] * cb[1] + cr[0] * cr[1];
     const double t = rr * inverse_scale_;
     const double robust = 1 / (1 + t);
     const double weight = base_ * robust * robust;
