@@ -14,7 +14,7 @@ build_packages=(
   nlohmann-json3-dev libcli11-dev libspdlog-dev
 )
 test_packages=(
-  libgtest-dev libgmock-dev libboost-graph-dev
+  libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev
   libopencv-calib3d-dev python3-matplotlib python3-scipy
 )
 

@@ -62,11 +62,12 @@ FrameAnalysis Analyse(const RenderedSequence& rendered, const ResolvedJob& job, 
 
 LabelField EstimateFrame(const ResolvedJob& job, const FrameAnalysis& analysis, const TemporalReferences* references,
                          int num_blocks, std::int64_t* energy) {
+  const auto floors = std::make_shared<RewardFloors>();
   std::vector<LabelField> fields;
   EstimationStats stats;
   for (int block = 0; block < num_blocks; ++block) {
     stats = {};
-    Result<LabelField> field = EstimateBlock(job, analysis, references, num_blocks, block, {}, &stats);
+    Result<LabelField> field = EstimateBlock(job, analysis, references, num_blocks, block, {}, &stats, floors);
     EXPECT_TRUE(field.ok()) << field.status().message();
     fields.push_back(std::move(field).value());
   }
@@ -80,7 +81,7 @@ LabelField EstimateFrame(const ResolvedJob& job, const FrameAnalysis& analysis, 
       }
       stats = {};
       Result<LabelField> field =
-          MergeLabels(job, analysis, first, fields[static_cast<std::size_t>(pair.second)], {}, &stats);
+          MergeLabels(job, analysis, first, fields[static_cast<std::size_t>(pair.second)], {}, &stats, floors);
       EXPECT_TRUE(field.ok()) << field.status().message();
       merged.push_back(std::move(field).value());
     }

@@ -1,0 +1,15 @@
+#ifndef DEPTHFARM_TESTS_BENCHMARKS_BENCHMARKS_H_
+#define DEPTHFARM_TESTS_BENCHMARKS_BENCHMARKS_H_
+
+#include "tests/benchmarks/measured_frames.h"
+
+namespace depthfarm::benchmarks {
+
+// Register the benchmarks with the library; `frames` and `failed` must outlive their run. A wrong result sets `failed`:
+// the library itself ends with success.
+void RegisterStageBenchmarks(MeasuredFrames& frames);
+void RegisterFlowBenchmarks(MeasuredFrames& frames, bool& failed);
+
+}  // namespace depthfarm::benchmarks
+
+#endif  // DEPTHFARM_TESTS_BENCHMARKS_BENCHMARKS_H_

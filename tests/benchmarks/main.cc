@@ -1,0 +1,38 @@
+// depthfarm-benchmarks: CPU time of the core's stages on a rendered scene, and of its maximum flow beside those of
+// others. Built where Google Benchmark is there, never installed. Takes its options, and --quick: a tiny scene, in
+// seconds, to see that all of it works.
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/benchmarks/benchmarks.h"
+
+namespace {
+
+// Runs what the words ask for. Without an option of the library's own that says so, --quick spends no time on
+// exactness.
+int Run(std::vector<std::string> words) {
+  using depthfarm::benchmarks::MeasuredFrames;
+  using depthfarm::benchmarks::Workload;
+  const bool quick = std::erase(words, "--quick") > 0;
+  if (quick) words.insert(words.begin() + 1, "--benchmark_min_time=0.01");
+  std::vector<char*> arguments;
+  arguments.reserve(words.size());
+  for (std::string& word : words) arguments.push_back(word.data());
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+
+  MeasuredFrames frames(quick ? Workload{3, 160, 120, 960, {300, 900}} : Workload{});
+  bool failed = false;
+  depthfarm::benchmarks::RegisterStageBenchmarks(frames);
+  depthfarm::benchmarks::RegisterFlowBenchmarks(frames, failed);
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return failed ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return Run(std::vector<std::string>(argv, argv + argc)); }

@@ -1,0 +1,48 @@
+#include "tests/benchmarks/measured_frames.h"
+
+#include <algorithm>
+
+#include "common/job/level_partition.h"
+
+namespace depthfarm::benchmarks {
+namespace {
+
+constexpr std::uint64_t kSeed = 117;
+constexpr double kNoise = 1.5;  // grey levels, as `depthfarm scene`
+
+}  // namespace
+
+MeasuredFrame::Block MeasuredFrame::FirstBlock() const {
+  const FrameProblem frame(job, analysis);
+  Block block;
+  block.problem.num_nodes = frame.num_nodes();
+  block.problem.levels = LevelsOfBlock(job.params.levels, num_blocks, job.params.partition, 0);
+  block.problem.matches_per_node = frame.matches_per_node();
+  block.problem.smoothness = frame.smoothness();
+  block.problem.fixed.assign(frame.num_nodes(), 0);
+  block.problem.matches = frame.MatchesOnLevels(block.problem.levels, {});
+  block.start.assign(frame.num_nodes(), block.problem.levels.front());
+  WinnerTakesAll(block.problem, block.start);
+  return block;
+}
+
+const test::RenderedSequence& MeasuredFrames::Rendered() {
+  if (!rendered_) {
+    rendered_ = test::Render(ArrayKind::kArc, workload_.views, workload_.width, workload_.height, 1, kSeed, kNoise);
+  }
+  return *rendered_;
+}
+
+const MeasuredFrame& MeasuredFrames::WithSegments(int segments) {
+  const auto known = frames_.find(segments);
+  if (known != frames_.end()) return known->second;
+  EstimationParams params;
+  params.segments = segments;
+  MeasuredFrame frame;
+  frame.job = ResolveJob(Rendered().sequence, params).value();
+  frame.analysis = test::Analyse(Rendered(), frame.job, 0);
+  frame.num_blocks = std::max(2, frame.job.level_blocks_i);
+  return frames_.emplace(segments, std::move(frame)).first->second;
+}
+
+}  // namespace depthfarm::benchmarks
