@@ -1,14 +1,13 @@
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "coordinator/cli/commands.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/interruption.h"
+#include "coordinator/cli/media_program.h"
 #include "coordinator/cli/processes.h"
 
 namespace depthfarm {
@@ -16,24 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::chrono::milliseconds kLookInterval{100};
-constexpr std::chrono::milliseconds kStopGrace{2000};
-
 // Runs a command of depthfarm-media with this process's output; its exit code.
-int RunMedia(const std::vector<std::string>& words) {
+int ShowMedia(const std::vector<std::string>& words) {
   std::cout << "\n$ depthfarm";
   for (const std::string& word : words) std::cout << " " << word;
   std::cout << "\n" << std::flush;
-  const Result<fs::path> program = SiblingProgram("depthfarm-media");
-  if (!program.ok()) return Fail(program.status());
-  Result<ChildProcess> child = ChildProcess::Start(*program, words, "");
-  if (!child.ok()) return Fail(child.status());
-  std::optional<ProcessEnd> end;
-  while (!(end = child->WaitFor(kLookInterval))) {
-    if (!Interrupted()) continue;
-    child->Stop(kStopGrace);
-    return kExitInterrupted;
-  }
+  const Result<ProcessEnd> end = RunMedia(words);
+  if (!end.ok()) return end.status().code() == ErrorCode::kCancelled ? kExitInterrupted : Fail(end.status());
   if (end->ok()) return kExitOk;
   std::cerr << "depthfarm: depthfarm-media " << words.front() << " " << Describe(*end) << "\n";
   return end->signal == 0 ? end->exit_code : kExitFailed;
@@ -59,14 +47,14 @@ int Execute(const DemoArguments& arguments) {
   const std::string colour = (folder / "colour").string();
   const std::vector<std::function<int()>> steps = {
       [&] {
-        return RunMedia({"scene", "arc", "-o", scene, "--cameras", "5", "--size", "512x384", "--frames", "6"});
+        return ShowMedia({"scene", "arc", "-o", scene, "--cameras", "5", "--size", "512x384", "--frames", "6"});
       },
       [&] { return RunFarm(sequence, result); },
       [&] {
-        return RunMedia({"evaluate", sequence, result});
+        return ShowMedia({"evaluate", sequence, result});
       },
       [&] {
-        return RunMedia({"colour", result, "-o", colour});
+        return ShowMedia({"colour", result, "-o", colour});
       },
   };
   for (const auto& step : steps) {

@@ -1,13 +1,8 @@
 #include "coordinator/cli/local_farm.h"
 
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp is POSIX
-
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <fstream>
 #include <iostream>
@@ -20,23 +15,6 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kStopGrace{3000};
 constexpr std::size_t kTailLines = 8;
-// A Unix socket address takes 107 bytes; what comes after the folder's name needs the rest.
-constexpr std::size_t kMaxTemporaryRoot = 60;
-
-// Not $XDG_RUNTIME_DIR: that is a small file system in memory, and the caches of a long run do not fit.
-fs::path TemporaryRoot() {
-  const char* root = std::getenv("TMPDIR");
-  if (root == nullptr || root[0] != '/' || std::strlen(root) > kMaxTemporaryRoot) return "/tmp";
-  return root;
-}
-
-Result<fs::path> MakePrivateFolder() {
-  std::string pattern = (TemporaryRoot() / "depthfarm-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) {
-    return Unavailable("cannot make a temporary folder " + pattern + ": " + std::strerror(errno));
-  }
-  return fs::path(pattern);
-}
 
 std::string Tail(const fs::path& log) {
   std::ifstream file(log);
@@ -52,15 +30,15 @@ std::string Tail(const fs::path& log) {
 
 }  // namespace
 
-LocalFarm::LocalFarm(LocalFarmOptions options, fs::path folder)
+LocalFarm::LocalFarm(LocalFarmOptions options, PrivateFolder folder)
     : options_(std::move(options)),
       folder_(std::move(folder)),
-      endpoint_("ipc://" + (folder_ / "coordinator").string()) {
-  if (options_.log_dir.empty()) options_.log_dir = folder_ / "logs";
+      endpoint_("ipc://" + (folder_.path() / "coordinator").string()) {
+  if (options_.log_dir.empty()) options_.log_dir = folder_.path() / "logs";
 }
 
 Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(const LocalFarmOptions& options) {
-  DEPTHFARM_ASSIGN_OR_RETURN(fs::path folder, MakePrivateFolder());
+  DEPTHFARM_ASSIGN_OR_RETURN(PrivateFolder folder, PrivateFolder::Make());
   std::unique_ptr<LocalFarm> farm(new LocalFarm(options, std::move(folder)));
   DEPTHFARM_RETURN_IF_ERROR(farm->StartProcesses());
   return farm;
@@ -87,7 +65,7 @@ Status LocalFarm::StartProcesses() {
 
 Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
   return ChildProcess::Start(worker_program_,
-                             {"--coordinator", endpoint_, "--cache-dir", (folder_ / (name + "-cache")).string(),
+                             {"--coordinator", endpoint_, "--cache-dir", (folder_.path() / (name + "-cache")).string(),
                               "--exit-with-parent", "--give-up-seconds", "30", "--log-level", options_.log_level},
                              LogOf(name));
 }
@@ -102,8 +80,6 @@ LocalFarm::~LocalFarm() {
   };
   for (Worker& worker : workers_) worker.process.Stop(left());
   if (coordinator_) coordinator_->Stop(left());
-  std::error_code ignored;  // nothing to be done about files that cannot be removed
-  fs::remove_all(folder_, ignored);
 }
 
 fs::path LocalFarm::LogOf(const std::string& name) const { return options_.log_dir / (name + ".log"); }

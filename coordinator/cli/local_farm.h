@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/base/status.h"
+#include "coordinator/cli/private_folder.h"
 #include "coordinator/cli/processes.h"
 
 namespace depthfarm {
@@ -45,13 +46,13 @@ class LocalFarm {
     std::string name;
     ChildProcess process;
   };
-  LocalFarm(LocalFarmOptions options, std::filesystem::path folder);
+  LocalFarm(LocalFarmOptions options, PrivateFolder folder);
   [[nodiscard]] Status StartProcesses();
   [[nodiscard]] Result<ChildProcess> StartWorker(const std::string& name) const;
   [[nodiscard]] std::filesystem::path LogOf(const std::string& name) const;
 
   LocalFarmOptions options_;
-  std::filesystem::path folder_;
+  PrivateFolder folder_;
   std::string endpoint_;
   std::filesystem::path worker_program_;
   std::unique_ptr<ChildProcess> coordinator_;

@@ -8,6 +8,7 @@
 
 #include "common/wire/envelope.h"
 #include "common/wire/task_wire.h"
+#include "coordinator/cli/text_table.h"
 
 namespace depthfarm {
 namespace {
@@ -19,33 +20,6 @@ std::string Format(const char* format, Values... values) {
   std::array<char, 160> text{};
   std::snprintf(text.data(), text.size(), format, values...);
   return text.data();
-}
-
-std::string StageName(const v1::StageStatus& stage) {
-  const Result<TaskKind> kind = FromProto(stage.kind());
-  return kind.ok() ? TaskKindName(*kind) : "unknown";
-}
-
-// Columns as wide as their widest cell, two spaces apart; columns flagged in `right` are flush right.
-std::string FormatTable(const std::vector<std::vector<std::string>>& rows, const std::vector<bool>& right) {
-  std::vector<std::size_t> widths(right.size(), 0);
-  for (const auto& row : rows) {
-    for (std::size_t column = 0; column < row.size(); ++column) {
-      widths[column] = std::max(widths[column], row[column].size());
-    }
-  }
-  std::string text;
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t column = 0; column < row.size(); ++column) {
-      const std::string padding(widths[column] - row[column].size(), ' ');
-      if (column > 0) line += "  ";
-      line += right[column] ? padding + row[column] : row[column] + padding;
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  }
-  return text;
 }
 
 struct TaskCount {
@@ -88,6 +62,11 @@ std::string JobStateName(v1::JobState state) {
     default:
       return "unknown";
   }
+}
+
+std::string StageName(const v1::StageStatus& stage) {
+  const Result<TaskKind> kind = FromProto(stage.kind());
+  return kind.ok() ? TaskKindName(*kind) : "unknown";
 }
 
 std::string FormatDuration(double seconds) {

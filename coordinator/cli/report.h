@@ -14,6 +14,9 @@ namespace depthfarm {
 // "running", "done", "failed", "cancelled"; "unknown" for states of a newer coordinator.
 [[nodiscard]] std::string JobStateName(v1::JobState state);
 
+// "analyse", "estimate", ...; "unknown" for those of a newer coordinator.
+[[nodiscard]] std::string StageName(const v1::StageStatus& stage);
+
 [[nodiscard]] nlohmann::ordered_json JobToJson(const v1::JobStatus& job);
 [[nodiscard]] nlohmann::ordered_json WorkerToJson(const v1::WorkerStatus& worker);
 
