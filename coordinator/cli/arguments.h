@@ -32,6 +32,17 @@ struct RunArguments {
   LocalFarmArguments farm;
   bool json = false;
 };
+struct BenchArguments {
+  std::string sequence;  // empty: an arc scene is rendered, as the next three say
+  std::string size = "1024x768";
+  int cameras = 5;
+  std::uint64_t seed = 1;
+  bool allow_outside = false;
+  EstimationArguments estimation;  // its preset is a list with commas
+  int workers = 1;
+  int repeats = 1;
+  bool json = false;
+};
 struct SubmitArguments {
   JobArguments job;
   FarmArguments farm;
@@ -66,8 +77,9 @@ struct KeygenArguments {
   std::string output_dir;
 };
 
-using CommandArguments = std::variant<DemoArguments, RunArguments, SubmitArguments, StatusArguments, WatchArguments,
-                                      JobsArguments, CancelArguments, WorkersArguments, KeygenArguments>;
+using CommandArguments =
+    std::variant<DemoArguments, RunArguments, BenchArguments, SubmitArguments, StatusArguments, WatchArguments,
+                 JobsArguments, CancelArguments, WorkersArguments, KeygenArguments>;
 
 }  // namespace depthfarm
 

@@ -112,6 +112,56 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
       "  depthfarm run array.json -o out --preset paper --level-blocks 4 --partition blocks");
 }
 
+void DefineBench(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<BenchArguments>();
+  CLI::Option* sequence = app.add_option("SEQUENCE", arguments.sequence,
+                                         "JSON file of cameras and pictures; default: an arc scene that is rendered")
+                              ->type_name("");
+  app.add_flag("--allow-outside", arguments.allow_outside, "Accept picture paths that leave the folder of SEQUENCE");
+  app.add_option("--workers", arguments.workers, "Worker processes of each farm")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--repeat", arguments.repeats, "Jobs of each preset, in turn; figures are medians")
+      ->type_name("R")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  AddJsonFlag(app, arguments.json);
+  const char* group = "Rendered scene";
+  app.add_option("--size", arguments.size, "Size of the pictures, pixels")
+      ->type_name("WxH")
+      ->excludes(sequence)
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--cameras", arguments.cameras, "Number of cameras, 2 to 256")
+      ->type_name("N")
+      ->check(CLI::Range(2, 256))
+      ->excludes(sequence)
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--seed", arguments.seed, "Same seed, same scene")
+      ->type_name("S")
+      ->check(CLI::NonNegativeNumber)
+      ->excludes(sequence)
+      ->capture_default_str()
+      ->group(group);
+  AddEstimationOptions(app, arguments.estimation);
+  CLI::Option* preset = app.get_option("--preset");
+  preset->description("One job for each, in turn. " + preset->get_description())->type_name("NAME,...");
+  app.footer(
+      "Runs the job of each preset on a farm of its own and prints CPU seconds of a view by stage, wall time, memory "
+      "and\n"
+      "quality. Of a rendered scene one frame is estimated unless --frames says more; of SEQUENCE all of them. "
+      "Everything\n"
+      "is kept in a temporary folder, which is removed. What else the machine does shows less in CPU seconds than in "
+      "wall\n"
+      "time; --repeat shows how much.\n"
+      "Examples:\n"
+      "  depthfarm bench\n"
+      "  depthfarm bench --size 1920x1080 --cameras 6 --preset default,paper --repeat 3\n"
+      "  depthfarm bench array.json --frames 0:1 --levels 64 --json");
+}
+
 void DefineSubmit(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<SubmitArguments>();
   AddJobOptions(app, arguments.job);
@@ -190,6 +240,7 @@ struct Command {
 constexpr auto kCommands = std::to_array<Command>({
     {"demo", "Render a small scene, estimate its depth, measure and colour it: start here", DefineDemo},
     {"run", "Estimate depth on this machine", DefineRun},
+    {"bench", "Speed of the core on this machine, by stage and preset", DefineBench},
     {"submit", "Hand a job to a farm; prints its number", DefineSubmit},
     {"status", "State of a job", DefineStatus},
     {"watch", "Progress of a job until it ends", DefineWatch},

@@ -59,6 +59,22 @@ TEST(CommandLine, RunTakesEveryEstimationOption) {
   }
 }
 
+TEST(CommandLine, BenchNeedsNothingAndTakesASequenceOrAScene) {
+  const auto plain = Parsed<BenchArguments>({"bench"});
+  EXPECT_EQ(plain.sequence, "");
+  EXPECT_EQ(plain.workers, 1);
+  EXPECT_EQ(plain.repeats, 1);
+  const auto scene = Parsed<BenchArguments>({"bench", "--size", "64x48", "--cameras", "4", "--seed", "9", "--repeat",
+                                             "3", "--preset", "default,paper", "--levels", "32"});
+  EXPECT_EQ(scene.size, "64x48");
+  EXPECT_EQ(scene.cameras, 4);
+  EXPECT_EQ(scene.seed, 9U);
+  EXPECT_EQ(scene.repeats, 3);
+  EXPECT_EQ(scene.estimation.preset, "default,paper");
+  EXPECT_EQ(scene.estimation.values.size(), 1U);
+  EXPECT_EQ(Parsed<BenchArguments>({"bench", "array.json", "--workers", "2"}).sequence, "array.json");
+}
+
 TEST(CommandLine, SubmitKnowsItsFarm) {
   const auto submit = Parsed<SubmitArguments>({"submit", "s.json", "-o", "d", "--coordinator", "tcp://head:1", "--keys",
                                                "k", "--priority", "-5", "--name", "n", "--wait"});
@@ -105,6 +121,11 @@ INSTANTIATE_TEST_SUITE_P(All, BadUsage,
                              {"run", "s.json", "-o", "d", "--level", "3"},
                              {"run", "s.json", "extra", "-o", "d"},
                              {"run", "s.json", "-o", "d", "--log-level", "loud"},
+                             {"bench", "a.json", "--size", "64x48"},
+                             {"bench", "a.json", "b.json"},
+                             {"bench", "--cameras", "1"},
+                             {"bench", "--repeat", "0"},
+                             {"bench", "--seed", "-1"},
                              {"status"},
                              {"status", "x"},
                              {"status", "-1"},
@@ -114,7 +135,8 @@ INSTANTIATE_TEST_SUITE_P(All, BadUsage,
                          }));
 
 TEST(CommandLine, HelpOfEachCommandHasAnExampleAndGoesToStdout) {
-  for (const char* command : {"demo", "run", "submit", "status", "watch", "jobs", "cancel", "workers", "keygen"}) {
+  for (const char* command :
+       {"demo", "run", "bench", "submit", "status", "watch", "jobs", "cancel", "workers", "keygen"}) {
     const CommandLineExit exit = Exit({command, "--help"});
     EXPECT_EQ(exit.code, kExitOk) << command;
     EXPECT_THAT(exit.output, HasSubstr("Example")) << command;
@@ -125,8 +147,8 @@ TEST(CommandLine, HelpOfEachCommandHasAnExampleAndGoesToStdout) {
 TEST(CommandLine, OverviewNamesEveryCommand) {
   const CommandLineExit exit = Exit({"--help"});
   EXPECT_EQ(exit.code, kExitOk);
-  for (const char* command : {"demo", "run", "submit", "status", "watch", "jobs", "cancel", "workers", "keygen",
-                              "scene", "evaluate", "colour"}) {
+  for (const char* command : {"demo", "run", "bench", "submit", "status", "watch", "jobs", "cancel", "workers",
+                              "keygen", "scene", "evaluate", "colour"}) {
     EXPECT_THAT(exit.output, HasSubstr(command));
   }
 }
