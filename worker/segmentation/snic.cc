@@ -1,5 +1,7 @@
 #include "worker/segmentation/snic.h"
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -8,6 +10,7 @@
 #include <vector>
 
 #include "worker/segmentation/seed_grid.h"
+#include "worker/segmentation/snic_distance.h"
 #include "worker/segmentation/snic_queue.h"
 
 namespace depthfarm {
@@ -15,38 +18,16 @@ namespace {
 
 constexpr double kMaxCompactness = 1000;
 constexpr std::uint32_t kPopsBetweenStopChecks = 1U << 15;
-constexpr int kFrame = 1;         // pixels around the picture
-constexpr double kLabelled = -1;  // below every distance: a labelled pixel never waits again
+constexpr int kFrame = 1;                // pixels around the picture
+constexpr double kLabelled = -1;         // below every distance: a labelled pixel never waits again
+constexpr std::size_t kPixelsAhead = 8;  // how many pops before their turn pixels are asked of memory,
+constexpr std::size_t kSumsAhead = 4;    // and segments: by then their pixel is there and says which one
 
 // All that growing asks of a pixel, side by side: the queue jumps about the picture, so each pixel is a cache miss.
 struct PixelState {
   double waiting = std::numeric_limits<double>::infinity();  // smallest distance it waits with, or kLabelled
   Ycbcr color = {};
   SegmentIndex label = 0;  // the segment it waits for with that distance, then its own
-};
-
-// Sums over a segment's pixels. Integers, so exact in double.
-struct Cluster {
-  double x = 0;
-  double y = 0;
-  double luma = 0;
-  double cb = 0;
-  double cr = 0;
-  double matte = 0;
-  double pixels = 0;
-
-  void Add(int px, int py, const Ycbcr& color) {
-    x += px;
-    y += py;
-    luma += color.y;
-    cb += color.cb;
-    cr += color.cr;
-    matte += color.matte;
-    pixels += 1;
-  }
-  [[nodiscard]] Cluster Mean() const {
-    return {x / pixels, y / pixels, luma / pixels, cb / pixels, cr / pixels, matte / pixels, 1};
-  }
 };
 
 // One segmentation in progress. The picture has a frame of labelled pixels around it, so that neighbours need no
@@ -56,35 +37,37 @@ class Growth {
   Growth(const YcbcrImage& picture, const SeedGrid& seeds, double spatial_weight)
       : spatial_weight_(spatial_weight),
         pixels_(picture.width() + 2 * kFrame, picture.height() + 2 * kFrame, PixelState{.waiting = kLabelled}),
+        labelled_(pixels_.size(), false),
         clusters_(static_cast<std::size_t>(seeds.num_segments())) {
     for (int y = 0; y < picture.height(); ++y) {
       for (int x = 0; x < picture.width(); ++x) pixels_(x + kFrame, y + kFrame) = PixelState{.color = picture(x, y)};
     }
+    for (std::size_t i = 0; i < kNeighbours; ++i) {
+      neighbour_offsets_[i] = std::ptrdiff_t{kNeighbourSteps[i].y} * pixels_.width() + kNeighbourSteps[i].x;
+    }
     for (int index = 0; index < seeds.num_segments(); ++index) {
       const PixelPosition seed = seeds.Seed(index);
-      Wait(seed.x + kFrame, seed.y + kFrame, 0, static_cast<SegmentIndex>(index));
+      PixelState& pixel = pixels_(seed.x + kFrame, seed.y + kFrame);
+      pixel.waiting = 0;
+      pixel.label = static_cast<SegmentIndex>(index);
+      queue_.Push(0, seed.x + kFrame, seed.y + kFrame);
     }
   }
 
   Status Run(const std::stop_token& stop) {
-    // An element that its pixel no longer waits with was overtaken by a nearer one, or its pixel is labelled. What a
-    // live one is going to touch is asked of memory meanwhile.
-    const auto is_live = [this](const SnicElement& element) {
-      const PixelState* pixel = &pixels_(element.x, element.y);
-      __builtin_prefetch(pixel - pixels_.width());
-      __builtin_prefetch(pixel + pixels_.width());
-      if (pixel->waiting != element.distance) return false;
-      __builtin_prefetch(&clusters_[pixel->label]);
-      return true;
-    };
+    const auto is_live = [this](const SnicElement& element) { return !labelled_[pixels_.Index(element.x, element.y)]; };
     SnicElement element;
     for (std::uint32_t pops = 0; queue_.Pop(is_live, element); ++pops) {
       if (pops % kPopsBetweenStopChecks == 0 && stop.stop_requested()) return Cancelled();
+      FetchAhead();
       PixelState& pixel = pixels_(element.x, element.y);
+      // Otherwise a nearer element has overtaken this one, or the pixel is labelled.
+      if (pixel.waiting != element.distance) continue;
       pixel.waiting = kLabelled;
-      Cluster& cluster = clusters_[pixel.label];
+      labelled_[pixels_.Index(element.x, element.y)] = true;
+      SnicCluster& cluster = clusters_[pixel.label];
       cluster.Add(element.x - kFrame, element.y - kFrame, pixel.color);
-      OfferNeighbours(element.x, element.y, pixel.label, cluster.Mean());
+      OfferNeighbours(element.x, element.y, pixel.label, cluster);
     }
     return {};
   }
@@ -98,38 +81,49 @@ class Growth {
   }
 
  private:
-  void OfferNeighbours(int center_x, int center_y, SegmentIndex label, const Cluster& mean) {
-    for (int y = center_y - 1; y <= center_y + 1; ++y) {
-      const PixelState* row = pixels_.row(y);
-      const double dy = (y - kFrame) - mean.y;
-      for (int x = center_x - 1; x <= center_x + 1; ++x) {
-        const PixelState& pixel = row[x];
-        if (pixel.waiting == kLabelled) continue;
-        const double dx = (x - kFrame) - mean.x;
-        const double dl = pixel.color.y - mean.luma;
-        const double db = pixel.color.cb - mean.cb;
-        const double dr = pixel.color.cr - mean.cr;
-        const double dm = pixel.color.matte - mean.matte;
-        const double distance = (dl * dl + db * db + dr * dr + dm * dm) + (dx * dx + dy * dy) * spatial_weight_;
-        // Where it already waits with no larger a distance it is served before this element, which would find it
-        // labelled.
-        if (distance < pixel.waiting) Wait(x, y, distance, label);
+  // Asks memory for what elements soon to be served are going to touch. Inline because GCC 12 takes a function that
+  // only prefetches for one without an effect, and leaves its calls out.
+  [[gnu::always_inline]] void FetchAhead() const {
+    const std::ptrdiff_t width = pixels_.width();
+    if (const SnicElement* later = queue_.Upcoming(kPixelsAhead); later != nullptr) {
+      const PixelState* center = &pixels_(later->x, later->y);
+      for (const std::ptrdiff_t row : {-width, std::ptrdiff_t{0}, width}) {
+        __builtin_prefetch(center + row - 1);
+        __builtin_prefetch(center + row + 1);
       }
+    }
+    if (const SnicElement* soon = queue_.Upcoming(kSumsAhead); soon != nullptr) {
+      __builtin_prefetch(&clusters_[pixels_(soon->x, soon->y).label]);
     }
   }
 
-  void Wait(int x, int y, double distance, SegmentIndex label) {
-    PixelState& pixel = pixels_(x, y);
-    pixel.waiting = distance;
-    pixel.label = label;
-    queue_.Push({distance, next_sequence_++, static_cast<std::uint16_t>(x), static_cast<std::uint16_t>(y)});
+  void OfferNeighbours(int center_x, int center_y, SegmentIndex label, const SnicCluster& cluster) {
+    PixelState* center = &pixels_(center_x, center_y);
+    std::array<const Ycbcr*, kNeighbours> colors;
+    for (std::size_t i = 0; i < kNeighbours; ++i) colors[i] = &center[neighbour_offsets_[i]].color;
+    const std::array<double, kNeighbours> distances =
+        NeighbourDistances(center_x - kFrame, center_y - kFrame, colors, cluster, spatial_weight_);
+    // All are compared before the first branch: which ones are nearer is another coin toss. Where a pixel already waits
+    // with no larger a distance it is served before this element, which would find it labelled.
+    unsigned nearer = 0;
+    for (std::size_t i = 0; i < kNeighbours; ++i) {
+      nearer |= static_cast<unsigned>(distances[i] < center[neighbour_offsets_[i]].waiting) << i;
+    }
+    for (; nearer != 0; nearer &= nearer - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(nearer));
+      PixelState& pixel = center[neighbour_offsets_[i]];
+      pixel.waiting = distances[i];
+      pixel.label = label;
+      queue_.Push(distances[i], center_x + kNeighbourSteps[i].x, center_y + kNeighbourSteps[i].y);
+    }
   }
 
   double spatial_weight_;
   Grid<PixelState> pixels_;
-  std::vector<Cluster> clusters_;
+  std::vector<bool> labelled_;  // one bit a pixel: stays in the cache, so that the overtaken are cheap to drop
+  std::array<std::ptrdiff_t, kNeighbours> neighbour_offsets_ = {};
+  std::vector<SnicCluster> clusters_;
   SnicQueue queue_;
-  std::uint32_t next_sequence_ = 0;
 };
 
 }  // namespace

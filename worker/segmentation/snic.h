@@ -25,7 +25,7 @@ namespace depthfarm {
 // Units   picture: grey levels; compactness: grey levels at one cell side from the centroid (the paper's m = 5).
 // Errors  kInvalidArgument: sides outside 1..kMaxPictureSide, num_segments < 1, compactness not > 0 or above 1000;
 //         kCancelled soon (about 10 ms) after `stop` is requested.
-// Work    O(W H log(W H)) time, about 60 bytes a pixel. The same bytes everywhere: + - * / in one order, one thread.
+// Work    O(W H log(W H)) time, about 40 bytes a pixel. The same bytes everywhere: + - * / in one order, one thread.
 [[nodiscard]] Result<Grid<SegmentIndex>> SegmentSnic(const YcbcrImage& picture, int num_segments, double compactness,
                                                      const std::stop_token& stop = {});
 

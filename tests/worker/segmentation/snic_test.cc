@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <queue>
+#include <random>
 #include <set>
 #include <stop_token>
 #include <tuple>
@@ -26,7 +27,7 @@ Grid<SegmentIndex> PublishedSnic(const YcbcrImage& picture, int num_segments, do
   constexpr SegmentIndex kNone = std::numeric_limits<SegmentIndex>::max();
   using Element = std::tuple<double, std::uint64_t, int, int, SegmentIndex>;  // distance, sequence, x, y, label
   struct Sums {
-    double x = 0, y = 0, luma = 0, cb = 0, cr = 0, n = 0;
+    double x = 0, y = 0, luma = 0, cb = 0, cr = 0, matte = 0, n = 0;
   };
   const SeedGrid seeds = SeedGrid::Create(picture.width(), picture.height(), num_segments).value();
   const double weight = compactness * compactness / (static_cast<double>(picture.size()) / seeds.num_segments());
@@ -44,7 +45,7 @@ Grid<SegmentIndex> PublishedSnic(const YcbcrImage& picture, int num_segments, do
     labels(x, y) = label;
     Sums& c = clusters[label];
     const Ycbcr& color = picture(x, y);
-    c = {c.x + x, c.y + y, c.luma + color.y, c.cb + color.cb, c.cr + color.cr, c.n + 1};
+    c = {c.x + x, c.y + y, c.luma + color.y, c.cb + color.cb, c.cr + color.cr, c.matte + color.matte, c.n + 1};
     for (int ny = y - 1; ny <= y + 1; ++ny) {
       for (int nx = x - 1; nx <= x + 1; ++nx) {
         if (!labels.Contains(nx, ny) || labels(nx, ny) != kNone) continue;
@@ -54,7 +55,8 @@ Grid<SegmentIndex> PublishedSnic(const YcbcrImage& picture, int num_segments, do
         const double dl = other.y - c.luma / c.n;
         const double db = other.cb - c.cb / c.n;
         const double dr = other.cr - c.cr / c.n;
-        queue.push({(dl * dl + db * db + dr * dr) + (dx * dx + dy * dy) * weight, sequence++, nx, ny, label});
+        const double dm = other.matte - c.matte / c.n;
+        queue.push({(dl * dl + db * db + dr * dr + dm * dm) + (dx * dx + dy * dy) * weight, sequence++, nx, ny, label});
       }
     }
   }
@@ -92,6 +94,36 @@ TEST_P(SnicProperty, EqualsThePublishedAlgorithm) {
     EXPECT_EQ(SegmentSnic(picture, num_segments, compactness).value(),
               PublishedSnic(picture, num_segments, compactness));
   }
+}
+
+// Few grey levels give equal distances, many give none; sides of one and two pixels have no or half a neighbourhood.
+TEST(Snic, EqualsThePublishedAlgorithmOnRandomPictures) {
+  std::mt19937 random(1);
+  const auto up_to = [&random](std::uint32_t most) { return 1 + static_cast<int>(random() % most); };
+  for (int trial = 0; trial < 300; ++trial) {
+    const int width = up_to(trial % 3 == 0 ? 2 : 40);
+    const int height = up_to(trial % 3 == 1 ? 2 : 40);
+    const std::uint32_t levels = trial % 2 == 0 ? 3 : 256;
+    YcbcrImage picture(width, height);
+    for (Ycbcr& pixel : picture.values()) {
+      const auto level = [&] { return static_cast<std::uint8_t>(random() % levels); };
+      pixel = {level(), level(), level(),
+               static_cast<std::uint8_t>(trial % 5 == 0 ? random() % 2 * kForegroundMatte : 0)};
+    }
+    const int num_segments = up_to(static_cast<std::uint32_t>(width * height));
+    const double compactness = std::ldexp(1.0, up_to(18) - 9);
+    EXPECT_EQ(SegmentSnic(picture, num_segments, compactness).value(),
+              PublishedSnic(picture, num_segments, compactness))
+        << width << "x" << height << ", " << num_segments << " segments, compactness " << compactness;
+  }
+}
+
+// Large enough for buckets of thousands, of which most elements are overtaken.
+TEST(Snic, EqualsThePublishedAlgorithmOnALargePicture) {
+  const YcbcrImage picture = ScenePicture(400, 300, 11);
+  for (const int num_segments : {30, 6000})
+    EXPECT_EQ(SegmentSnic(picture, num_segments, kCompactness).value(),
+              PublishedSnic(picture, num_segments, kCompactness));
 }
 
 TEST_P(SnicProperty, GivesTheSameLabelsAgain) {
