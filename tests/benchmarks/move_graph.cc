@@ -16,7 +16,7 @@ class MoveBuilder {
     Add(link.first, link.second, [&](Level s, Level t) { return std::int64_t{link.beta} * std::abs(int{s} - int{t}); });
   }
 
-  void AddMatch(NodeIndex node, const MatchLink& match, Level level) {
+  void AddMatch(NodeIndex node, const MatchTable::Match& match, Level level) {
     if (match.reward == 0) return;
     Add(node, match.target,
         [&](Level s, Level t) { return s == level && t == level ? -std::int64_t{match.RewardUnits()} : 0; });
@@ -61,12 +61,12 @@ MoveGraph GraphOfMove(const LabellingProblem& problem, const std::vector<Level>&
   for (const SmoothnessLink& link : problem.smoothness) builder.AddSmoothness(link);
   for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
     const int held = LevelIndex(problem, labels[node]);
-    for (int slot = 0; slot < problem.matches_per_node; ++slot) {
-      if (held >= 0 && labels[node] != alpha) {
-        builder.AddMatch(node, problem.Matches(static_cast<std::size_t>(held), node)[slot], labels[node]);
+    if (held >= 0 && labels[node] != alpha) {
+      for (const MatchTable::Match& match : problem.matches.At(node, static_cast<std::size_t>(held))) {
+        builder.AddMatch(node, match, labels[node]);
       }
-      builder.AddMatch(node, problem.Matches(level_index, node)[slot], alpha);
     }
+    for (const MatchTable::Match& match : problem.matches.At(node, level_index)) builder.AddMatch(node, match, alpha);
   }
   return std::move(builder).Graph();
 }

@@ -14,7 +14,8 @@
 #include "worker/estimation/frame_problem.h"
 #include "worker/estimation/reward_floors.h"
 #include "worker/merging/fusion.h"
-#include "worker/optimization/expansion.h"
+#include "worker/optimization/belief_start.h"
+#include "worker/optimization/level_search.h"
 #include "worker/refinement/refine.h"
 #include "worker/segmentation/snic.h"
 
@@ -67,18 +68,23 @@ void MeasureMatching(benchmark::State& state, MeasuredFrames& frames, bool floor
       benchmark::Counter(entries, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-void MeasureExpansion(benchmark::State& state, MeasuredFrames& frames) {
-  const MeasuredFrame::Block block = frames.WithSegments(0).FirstBlock();
-  ExpansionSummary summary;
+// Labels from nothing: one full sweep from each node's best reward, or the default's search with its start.
+void MeasureSearch(benchmark::State& state, MeasuredFrames& frames, bool sparse) {
+  const MeasuredFrame& frame = frames.WithSegments(0);
+  const MeasuredFrame::Block block = frame.FirstBlock();
+  const std::vector<SegmentGrid> grids = FrameProblem(frame.job, frame.analysis).Grids();
+  SearchSummary summary;
   for ([[maybe_unused]] auto _ : state) {
     state.PauseTiming();
     std::vector<Level> labels = block.start;
     state.ResumeTiming();
-    summary = ExpandToConvergence(block.problem, labels, 1, {});
+    if (sparse) BeliefStart(block.problem, grids, kBeliefPasses, labels, {});
+    summary = sparse ? SearchSparsely(block.problem, labels, {}) : SearchFully(block.problem, labels, 1, {});
   }
   state.counters["nodes"] = block.problem.num_nodes;
   state.counters["levels"] = static_cast<double>(block.problem.levels.size());
   state.counters["moves"] = static_cast<double>(summary.moves);
+  state.counters["energy"] = static_cast<double>(summary.energy);
 }
 
 // Blocks 0 and 1 into one.
@@ -161,7 +167,8 @@ void RegisterStageBenchmarks(MeasuredFrames& frames) {
   add("SegmentSnic", [&frames](benchmark::State& state) { MeasureSnic(state, frames); });
   add("MatchesOnLevels/floors_unknown", [&frames](benchmark::State& state) { MeasureMatching(state, frames, false); });
   add("MatchesOnLevels/floors_known", [&frames](benchmark::State& state) { MeasureMatching(state, frames, true); });
-  add("ExpandToConvergence/one_sweep", [&frames](benchmark::State& state) { MeasureExpansion(state, frames); });
+  add("SearchFully/one_sweep", [&frames](benchmark::State& state) { MeasureSearch(state, frames, false); });
+  add("SearchSparsely", [&frames](benchmark::State& state) { MeasureSearch(state, frames, true); });
   add("Fuse", [&frames](benchmark::State& state) { MeasureFusion(state, frames); });
   const auto rounds = std::make_shared<RefinedRounds>(frames);
   for (const int round : {1, EstimationParams().refine_rounds}) {

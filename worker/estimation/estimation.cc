@@ -48,7 +48,6 @@ SearchSummary SearchLevels(const EstimationParams& params, const FrameProblem& f
     WinnerTakesAll(problem, labels);
     return SearchFully(problem, labels, params.max_sweeps, stop);
   }
-  constexpr int kBeliefPasses = 2;  // a third gains nothing
   BeliefStart(problem, frame.Grids(), kBeliefPasses, labels, stop);
   return SearchSparsely(problem, labels, stop);
 }

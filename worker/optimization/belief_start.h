@@ -19,6 +19,8 @@ struct SegmentGrid {
   std::vector<std::int32_t> beta_down;   // per node, to the next in its column; of the last row not used
 };
 
+inline constexpr int kBeliefPasses = 2;  // of the default; a third gains nothing
+
 // A start much nearer to the optimum of E than each node's best reward, at the price of a few moves: belief
 // propagation over the grids of all views. Each of `iterations` passes sums, for each free node, the least costs along
 // its row and column from all four sides (as semi-global matching does, Hirschmueller, PAMI 2008), with V as in eq. (2)
