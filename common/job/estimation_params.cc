@@ -18,6 +18,7 @@ Status OutOfRange(const std::string& option, T value, const std::string& expecte
 
 Status EstimationParams::Validate() const {
   if (segments < 0 || segments > 4'000'000) return OutOfRange("segments", segments, "1 to 4000000, or auto");
+  if (segment_pixels < 1 || segment_pixels > 10000) return OutOfRange("segment-pixels", segment_pixels, "1 to 10000");
   if (levels != 0 && (levels < 2 || levels > 65534)) return OutOfRange("levels", levels, "2 to 65534, or auto");
   const bool ranges_finite = std::isfinite(z_near) && std::isfinite(z_far);
   if (!ranges_finite || z_near < 0) return OutOfRange("z-near", z_near, "a finite number > 0");
@@ -50,6 +51,10 @@ Status EstimationParams::Validate() const {
   if (neighbours < 1 || neighbours > 16) return OutOfRange("neighbors", neighbours, "1 to 16");
   if (refine_rounds < 0 || refine_rounds > 100)
     return OutOfRange("refine", refine_rounds, "1 to 100 rounds, or 0: depth levels");
+  if (choice_rounds < 0 || choice_rounds > 100) return OutOfRange("choice-rounds", choice_rounds, "0 to 100");
+  if (compared < 1 || compared > kMostCompared) {
+    return OutOfRange("compared", compared, "1 to " + std::to_string(kMostCompared));
+  }
   if (!(holes >= 0) || holes >= 1)
     return OutOfRange("holes", holes, "0 to less than 1: the least confidence that is kept");
   if (assesses() && refine_rounds == 0) {
@@ -80,7 +85,18 @@ Result<EstimationParams> Preset(const std::string& name) {
     params.refine_rounds = 0;
     return params;
   }
-  return InvalidArgument("preset is '" + name + "', expected default or paper");
+  if (name == "best") {
+    params.refine_rounds = 5;
+    params.choice_rounds = 4;
+    return params;
+  }
+  if (name == "fast") {
+    params.segment_pixels = 30;
+    params.refine_rounds = 3;
+    params.compared = 3;
+    return params;
+  }
+  return InvalidArgument("preset is '" + name + "', expected default, best, fast or paper");
 }
 
 }  // namespace depthfarm

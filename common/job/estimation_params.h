@@ -24,11 +24,14 @@ enum class Search {
   kSparse,  // from a good start, every segment to some levels, then each to those near its own and its neighbours'
 };
 
+inline constexpr int kMostCompared = 4;  // two left, two right on an arc
+
 // What a user may set for a job; the defaults are the paper's numbers where the paper gives one. 0 = choose ("auto").
 struct EstimationParams {
-  int segments = 0;   // per view; 0: one per 20 pixels, less of large refined views (ResolveJob)
-  int levels = 0;     // L; 0: at most 250, see ResolveJob
-  double z_near = 0;  // of the reference camera, the sequence's unit; 0: from the sequence
+  int segments = 0;         // per view; 0: one per segment_pixels, less of large refined views (ResolveJob)
+  int segment_pixels = 20;  // where segments is 0: pixels of one; 1..10000
+  int levels = 0;           // L; 0: at most 250, see ResolveJob
+  double z_near = 0;        // of the reference camera, the sequence's unit; 0: from the sequence
   double z_far = 0;
   double smoothing = 1.0;       // beta_0 of eq. (3) per 1/249 of the depth range, L1 in grey levels; 0..100
   int matching_window = 3;      // side of W in eq. (4), pixels, odd, 1..15
@@ -45,6 +48,9 @@ struct EstimationParams {
                             // what no view shows (docs/method.md, 4). kSparse has just one
   int neighbours = 2;       // views matched against each view; the paper's two
   int refine_rounds = 4;    // rounds that turn levels into slanted planes after the cut; 0: levels, as the paper
+  int choice_rounds = 2;    // the last rounds, as many as there are: with agreement between views, and a choice of
+                            // plane for each pixel at depth jumps
+  int compared = 4;         // views that refinement compares each view with, 1..kMostCompared
   bool confidence = false;  // also write how likely the depth of each pixel is right
   double holes = 0;         // no depth where that is less likely than this; 0..1, less than 1; 0: depth everywhere
   // Folders that the submitter turns into files of the sequence (common/sequence/guides.h); jobs do not carry them.
@@ -62,7 +68,9 @@ struct EstimationParams {
   bool operator==(const EstimationParams&) const = default;
 };
 
-// "default" or "paper" (the published method: 250 levels, n = 1, no refinement); kInvalidArgument lists the names.
+// "default"; "paper" (the published method: 250 levels, n = 1, no refinement); "best" (more choice of pixels: thin
+// objects and edges, a third more CPU); "fast" (fewer and larger of everything, a fifth less): docs/results.md,
+// Presets. kInvalidArgument lists the names.
 [[nodiscard]] Result<EstimationParams> Preset(const std::string& name);
 
 }  // namespace depthfarm

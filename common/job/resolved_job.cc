@@ -11,7 +11,6 @@
 namespace depthfarm {
 namespace {
 
-constexpr int kPixelsPerSegment = 20;
 constexpr int kUsualPixels = 1024 * 768;  // of a larger view that is refined segments grow
 constexpr int kMaxAutoLevels = 250;
 constexpr double kLevelPixels = 1;          // refinement finds what lies between levels a pixel apart, unless
@@ -24,8 +23,8 @@ constexpr long long kLargeProblem = 20'000'000;
 constexpr long long kMostOfSparsePart = 40'000'000;
 
 // Of planes that are refined fewer are enough where pictures are large (docs/results.md, Segments of large pictures).
-int AutoSegments(int pixels, bool refined) {
-  const double segments = static_cast<double>(pixels) / kPixelsPerSegment;
+int AutoSegments(int pixels, int pixels_of_one, bool refined) {
+  const double segments = static_cast<double>(pixels) / pixels_of_one;
   const double usual = static_cast<double>(kUsualPixels) / pixels;
   return std::max(1, static_cast<int>(refined && usual < 1 ? segments * std::sqrt(usual) : segments));
 }
@@ -199,8 +198,8 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(job_view.camera));
     DEPTHFARM_RETURN_IF_ERROR(CheckRefinable(job_view.camera, params));
     const int pixels = job_view.camera.width * job_view.camera.height;
-    job_view.segments =
-        std::min(params.segments > 0 ? params.segments : AutoSegments(pixels, params.refine_rounds > 0), pixels);
+    const int automatic = AutoSegments(pixels, params.segment_pixels, params.refine_rounds > 0);
+    job_view.segments = std::min(params.segments > 0 ? params.segments : automatic, pixels);
     cameras.push_back(job_view.camera);
     job.views.push_back(job_view);
   }
@@ -227,7 +226,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
                            ", expected at most the number of levels, " + std::to_string(job.params.levels));
   }
   const DepthLevels levels = job.Levels();
-  const std::vector<std::vector<int>> compared = ChooseNeighbours(cameras, levels, kMostCompared);
+  const std::vector<std::vector<int>> compared = ChooseNeighbours(cameras, levels, params.compared);
   for (std::size_t i = 0; i < job.views.size(); ++i) {
     job.views[i].compared = compared[i];
     DEPTHFARM_ASSIGN_OR_RETURN(job.views[i].own_range, OwnDepthRange(cameras[i], levels));

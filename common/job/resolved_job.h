@@ -12,8 +12,6 @@
 
 namespace depthfarm {
 
-inline constexpr int kMostCompared = 4;  // two left, two right on an arc
-
 // One view for which a job estimates depth.
 struct JobView {
   Camera camera;         // of the depth map: downscaled as the job asks
@@ -25,7 +23,7 @@ struct JobView {
   int segments = 0;             // requested; the seed grid comes as near as it can
   DepthRange own_range;         // zNear, zFar of its depth files, along its own axis
   std::vector<int> neighbours;  // indices into ResolvedJob::views, nearest first; D of eq. (1)
-  std::vector<int> compared;    // the at most kMostCompared views that refinement compares it with, nearest first
+  std::vector<int> compared;    // the at most params.compared views that refinement compares it with, nearest first
 };
 
 // A job with nothing left open: every "auto" is a number, so that all tasks of the job, wherever they run, do the same.
@@ -52,12 +50,12 @@ struct ResolvedJob {
 // Chooses what the parameters leave open:
 //   reference  the sequence's, else the centre camera of the views;
 //   z range    the parameters', else the reference camera's own, else the sequence's;
-//   segments   one per 20 pixels of a view (paper III-B: "segments of size of 20 samples or less"); with refinement, of
-//              views larger than 1024x768 only as the root of the size: 63,850 at 1920x1080;
+//   segments   one per segment_pixels, 20, of a view (paper III-B: "segments of size of 20 samples or less"); with
+//              refinement, of views larger than 1024x768 only as the root of the size: 63,850 at 1920x1080;
 //   levels     at most 250, such that one is about a pixel at the median nearest neighbour and at most two at the
 //              widest baseline used; without refinement, or with fewer than 25 levels, down to a quarter of that;
-//   n          1 for small problems, else up to 8 (I frames; side by side, with a part of the memory each) or 2 (P
-//              frames).
+//   n          as many parts as keep the sparse search's memory below about 400 MB each, and half as many for P
+//              frames; with the full search 1 for small problems, else up to 8 (I frames; side by side) or 2 (P frames).
 // Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that
 // cannot see the levels, has no neighbour or is too small for refinement, no depth range, frames outside the sequence,
 // more blocks than levels.

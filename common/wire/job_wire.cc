@@ -119,6 +119,7 @@ Result<ResolvedJob> ResolvedFromProto(const v1::JobConfig& proto) {
 v1::EstimationParams ToProto(const EstimationParams& params) {
   v1::EstimationParams proto;
   proto.set_segments(static_cast<std::uint32_t>(params.segments));
+  proto.set_segment_pixels(static_cast<std::uint32_t>(params.segment_pixels));
   proto.set_levels(static_cast<std::uint32_t>(params.levels));
   proto.set_z_near(params.z_near);
   proto.set_z_far(params.z_far);
@@ -137,6 +138,8 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
   proto.set_max_sweeps(static_cast<std::uint32_t>(params.max_sweeps));
   proto.set_neighbours(static_cast<std::uint32_t>(params.neighbours));
   proto.set_refine_rounds(static_cast<std::uint32_t>(params.refine_rounds));
+  proto.set_choice_rounds(static_cast<std::uint32_t>(params.choice_rounds));
+  proto.set_compared(static_cast<std::uint32_t>(params.compared));
   proto.set_confidence(params.confidence);
   proto.set_holes(params.holes);
   proto.set_downscale(static_cast<std::uint32_t>(params.downscale));
@@ -153,6 +156,7 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
     return {};
   };
   DEPTHFARM_RETURN_IF_ERROR(read("segments", proto.segments(), params.segments));
+  DEPTHFARM_RETURN_IF_ERROR(read("segment-pixels", proto.segment_pixels(), params.segment_pixels));
   DEPTHFARM_RETURN_IF_ERROR(read("levels", proto.levels(), params.levels));
   params.z_near = proto.z_near();
   params.z_far = proto.z_far();
@@ -176,6 +180,8 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
   DEPTHFARM_RETURN_IF_ERROR(read("sweeps", proto.max_sweeps(), params.max_sweeps));
   DEPTHFARM_RETURN_IF_ERROR(read("neighbors", proto.neighbours(), params.neighbours));
   DEPTHFARM_RETURN_IF_ERROR(read("refine", proto.refine_rounds(), params.refine_rounds));
+  DEPTHFARM_RETURN_IF_ERROR(read("choice-rounds", proto.choice_rounds(), params.choice_rounds));
+  DEPTHFARM_RETURN_IF_ERROR(read("compared", proto.compared(), params.compared));
   params.confidence = proto.confidence();
   params.holes = proto.holes();
   DEPTHFARM_RETURN_IF_ERROR(read("downscale", proto.downscale(), params.downscale));

@@ -115,9 +115,14 @@ Status ParseFrames(std::string_view text, EstimationParams& params) {
 }
 
 constexpr auto kOptions = std::to_array<EstimationOption>({
-    {"segments", "auto|N", "Superpixels per view; auto: one per 20 pixels, with refinement larger above 1024x768",
+    {"segments", "auto|N",
+     "Superpixels per view; auto: one per --segment-pixels, with refinement larger above 1024x768",
      [](std::string_view text, EstimationParams& params) {
        return ParseAutoOrInteger("segments", text, params.segments);
+     }},
+    {"segment-pixels", "P", "With --segments auto: pixels of a superpixel, 1 to 10000; default 20",
+     [](std::string_view text, EstimationParams& params) {
+       return ParseInteger("segment-pixels", text, params.segment_pixels);
      }},
     {"levels", "auto|L", "Depth levels, uniform in 1/z; auto: a pixel apart, a quarter with --refine 0, at most 250",
      [](std::string_view text, EstimationParams& params) { return ParseAutoOrInteger("levels", text, params.levels); }},
@@ -179,6 +184,12 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("refine", text, params.refine_rounds);
      }},
+    {"choice-rounds", "N", "Last rounds in which views agree and pixels at depth jumps choose their plane; default 2",
+     [](std::string_view text, EstimationParams& params) {
+       return ParseInteger("choice-rounds", text, params.choice_rounds);
+     }},
+    {"compared", "N", "Views that refinement compares each view with, 1 to 4; default 4",
+     [](std::string_view text, EstimationParams& params) { return ParseInteger("compared", text, params.compared); }},
     {"confidence", "on|off",
      "Also write DIR/confidence: how likely each pixel's depth is right to a pixel of motion; default off",
      [](std::string_view text, EstimationParams& params) {
@@ -228,7 +239,7 @@ Result<EstimationParams> ParseParamsJson(std::string_view text, const std::strin
   if (!object->is_object()) return InvalidArgument(file + ": expected one JSON object of option names and values");
   std::string base = preset;
   if (const auto own = object->find("preset"); own != object->end()) {
-    if (!own->is_string()) return Refuse("preset", own->dump(), "default or paper").WithContext(file);
+    if (!own->is_string()) return Refuse("preset", own->dump(), "default, best, fast or paper").WithContext(file);
     if (base.empty()) base = own->get<std::string>();
   }
   Result<EstimationParams> params = Preset(base.empty() ? "default" : base);

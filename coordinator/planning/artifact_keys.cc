@@ -70,7 +70,7 @@ ArtifactKey JobPart(const JobConfig& config) {
 
 ArtifactKey RefinePart(const JobConfig& config) {
   KeyBuilder builder("refinement");
-  builder.Add(config.resolved.params.refine_rounds);
+  builder.Add(config.resolved.params.refine_rounds).Add(config.resolved.params.choice_rounds);
   for (const JobView& view : config.resolved.views) {
     builder.Add(view.own_range.z_near).Add(view.own_range.z_far).Add(view.compared.size());
     for (const int other : view.compared) builder.Add(other);

@@ -47,6 +47,8 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"maxSweeps", integer(params.max_sweeps)},
       {"neighbours", integer(params.neighbours)},
       {"refineRounds", integer(params.refine_rounds)},
+      {"choiceRounds", integer(params.choice_rounds)},
+      {"compared", integer(params.compared)},
       {"holes", params.holes},
       {"downscale", integer(params.downscale)},
   };

@@ -17,9 +17,8 @@
 namespace depthfarm {
 namespace {
 
-constexpr int kBlurredRounds = 1;   // on smoothed pictures: a wider basin while levels are coarse
-constexpr int kPlainRound = 1;      // surfaces without texture are decided as a whole
-constexpr int kAgreeingRounds = 2;  // the last ones: with the other views' depth and with a choice for each pixel
+constexpr int kBlurredRounds = 1;  // on smoothed pictures: a wider basin while levels are coarse
+constexpr int kPlainRound = 1;     // surfaces without texture are decided as a whole
 constexpr double kFirstGapScale = 1;
 constexpr double kLastGapScale = 0.2;
 
@@ -163,8 +162,8 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const auto& kept = before[v]->kept;
   if (std::find(kept.begin(), kept.end(), 0) == kept.end()) return *before[v];  // nothing may move
   const ViewGeometry geometry = RefinementGeometry(job, view);
-  const bool agree = round > rounds - kAgreeingRounds;
-  const bool blur = round <= kBlurredRounds && !agree;  // edges are chosen on the pictures as they are
+  const bool agree = round > rounds - job.params.choice_rounds;  // with the other views' depth, a choice for each pixel
+  const bool blur = round <= kBlurredRounds && !agree;           // edges are chosen on the pictures as they are
   std::deque<FineImage> smoothed;
   const auto colours_of = [&](const YcbcrImage& picture) -> PictureColours {
     if (!blur) return picture;

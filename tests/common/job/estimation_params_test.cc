@@ -61,6 +61,12 @@ TEST(EstimationParams, RefusesValuesOutsideTheirBoundsByName) {
       {[](EstimationParams& p) { p.max_sweeps = 1001; }, "sweeps is 1001"},
       {[](EstimationParams& p) { p.max_sweeps = 2; }, "sweeps is 2, expected 1 with the sparse search"},
       {[](EstimationParams& p) { p.max_sweeps = 0; }, "sweeps is auto, expected 1 with the sparse search"},
+      {[](EstimationParams& p) { p.choice_rounds = -1; }, "choice-rounds is -1"},
+      {[](EstimationParams& p) { p.choice_rounds = 101; }, "choice-rounds is 101"},
+      {[](EstimationParams& p) { p.compared = 0; }, "compared is 0"},
+      {[](EstimationParams& p) { p.compared = 5; }, "compared is 5, expected 1 to 4"},
+      {[](EstimationParams& p) { p.segment_pixels = 0; }, "segment-pixels is 0"},
+      {[](EstimationParams& p) { p.segment_pixels = 10001; }, "segment-pixels is 10001"},
       {[](EstimationParams& p) { p.neighbours = 0; }, "neighbors is 0"},
       {[](EstimationParams& p) { p.neighbours = 17; }, "neighbors is 17"},
       {[](EstimationParams& p) { p.refine_rounds = -1; }, "refine is -1"},
@@ -109,6 +115,9 @@ TEST(EstimationParams, AcceptsTheBoundsThemselves) {
       {[](EstimationParams& p) { p.smoothing = 0; }, "no smoothing"},
       {[](EstimationParams& p) { p.smoothing = 100; }, "most smoothing"},
       {[](EstimationParams& p) { p.matching_window = 1; }, "smallest window"},
+      {[](EstimationParams& p) { p.choice_rounds = 0; }, "no choice of pixels"},
+      {[](EstimationParams& p) { p.compared = 1; }, "one compared view"},
+      {[](EstimationParams& p) { p.segment_pixels = 10000; }, "the largest segments"},
       {[](EstimationParams& p) { p.matching_window = 15; }, "largest window"},
       {[](EstimationParams& p) { p.matching_offset = 765; }, "matching-offset"},
       {[](EstimationParams& p) { p.uniqueness = 0; }, "every match in full"},
@@ -158,8 +167,21 @@ TEST(Preset, PaperIsThePaperToTheLetter) {
   EXPECT_TRUE(expected.Validate().ok());
 }
 
+TEST(Preset, BestAndFastDifferFromTheDefaultInCostAlone) {
+  for (const std::string name : {"best", "fast"}) {
+    const EstimationParams params = Preset(name).value();
+    EXPECT_TRUE(params.Validate().ok());
+    EXPECT_NE(params, EstimationParams());
+    EXPECT_EQ(params.levels, 0);  // from the job, as the default
+    EXPECT_EQ(params.segments, 0);
+    EXPECT_EQ(params.search, EstimationParams().search);
+  }
+  EXPECT_GT(Preset("best").value().choice_rounds, EstimationParams().choice_rounds);
+  EXPECT_LT(Preset("fast").value().compared, EstimationParams().compared);
+}
+
 TEST(Preset, UnknownNameListsThoseThereAre) {
-  for (const std::string name : {"", "Paper", "best"}) {
+  for (const std::string name : {"", "Paper", "better"}) {
     const Result<EstimationParams> preset = Preset(name);
     ASSERT_FALSE(preset.ok());
     EXPECT_EQ(preset.status().code(), ErrorCode::kInvalidArgument);

@@ -74,6 +74,9 @@ EstimationParams TestParams() {
   params.i_threshold = 2;
   params.level_blocks = 8;
   params.partition = Partition::kContiguous;
+  params.segment_pixels = 31;
+  params.choice_rounds = 3;
+  params.compared = 2;
   params.search = Search::kFull;
   params.max_sweeps = 9;
   params.neighbours = 1;
@@ -216,6 +219,9 @@ TEST(ParamsWire, HostileValuesAreRefused) {
   EXPECT_TRUE(refused([](auto& p) { p.set_holes(1); }));
   EXPECT_TRUE(refused([](auto& p) { p.clear_partition(); }));
   EXPECT_TRUE(refused([](auto& p) { p.clear_search(); }));
+  EXPECT_TRUE(refused([](auto& p) { p.clear_compared(); }));
+  EXPECT_TRUE(refused([](auto& p) { p.set_choice_rounds(101); }));
+  EXPECT_TRUE(refused([](auto& p) { p.clear_segment_pixels(); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("../x"); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("cam0"); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_end_frame(-2); }));

@@ -52,6 +52,7 @@ TEST(ArtifactKeys, WhatReachesTheRefinementOnlyChangesItsKeyOnly) {
   using Change = std::function<void(JobConfig&)>;
   const std::vector<Change> changes = {
       [](JobConfig& c) { ++c.resolved.params.refine_rounds; },
+      [](JobConfig& c) { ++c.resolved.params.choice_rounds; },
       [](JobConfig& c) { c.resolved.views[1].compared.clear(); },
       [](JobConfig& c) { c.resolved.views[1].own_range.z_near += 1e-9; },
   };
