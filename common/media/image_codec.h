@@ -18,7 +18,7 @@ namespace depthfarm {
 // lower rows as they are), other sample types. kUnavailable: no memory.
 [[nodiscard]] Result<cv::Mat> DecodeImage(std::string_view bytes);
 
-// PNG of an 8- or 16-bit image with 1 or 3 channels. Compression level 6, default strategy, libpng's own choice of
+// PNG of an 8- or 16-bit image with 1 or 3 channels. Compression level 4, default strategy, libpng's own choice of
 // filters, no time stamp and no text: equal images give equal bytes with equal versions of libpng and zlib.
 [[nodiscard]] Result<std::string> EncodePng(const cv::Mat& image);
 
