@@ -2,7 +2,6 @@
 #define DEPTHFARM_COMMON_IMAGE_COLOUR_CONVERSION_H_
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "common/image/picture.h"
@@ -18,7 +17,7 @@ struct YcbcrReal {
 
 // Nearest, halves up, clamped to 0..255.
 [[nodiscard]] inline std::uint8_t RoundedToByte(double value) {
-  return static_cast<std::uint8_t>(std::clamp(std::floor(value + 0.5), 0.0, 255.0));
+  return static_cast<std::uint8_t>(std::clamp(value + 0.5, 0.0, 255.0));  // cut off: the floor of what is not negative
 }
 
 // To 8-bit units. The one rounding of a picture's samples.
