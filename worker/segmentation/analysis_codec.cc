@@ -29,11 +29,14 @@ constexpr Channel kChannels[] = {&Ycbcr::y, &Ycbcr::cb, &Ycbcr::cr};
 // `value_at(x, y)`: bytes.
 template <typename Values>
 void AppendPlane(int width, int height, const Values& value_at, std::string& bytes) {
+  const std::size_t start = bytes.size();
+  bytes.resize(start + static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  char* differences = bytes.data() + start;
   for (int y = 0; y < height; ++y) {
     std::uint8_t left = 0;
     for (int x = 0; x < width; ++x) {
       const std::uint8_t value = value_at(x, y);
-      bytes.push_back(static_cast<char>(value - left));
+      *differences++ = static_cast<char>(value - left);
       left = value;
     }
   }

@@ -16,19 +16,16 @@ struct Prediction {
   SegmentIndex near_explicit = 0;  // what explicit labels are counted from
 };
 
-SegmentIndex LabelOrZero(const Grid<SegmentIndex>& labels, int x, int y) {
-  return labels.Contains(x, y) ? labels(x, y) : 0;
-}
-
-// From the pixels before (x, y) alone, so that reader and writer agree.
-Prediction Predict(const Grid<SegmentIndex>& labels, int x, int y) {
-  const SegmentIndex left = LabelOrZero(labels, x - 1, y);
-  const SegmentIndex above = LabelOrZero(labels, x, y - 1);
-  const SegmentIndex above_left = LabelOrZero(labels, x - 1, y - 1);
+// From the pixels before (x, y) alone, so that reader and writer agree. Outside the picture labels are 0. `row` is that
+// of y, `above_row` the one before it, null at the top.
+Prediction Predict(const SegmentIndex* row, const SegmentIndex* above_row, int x, int width) {
+  const SegmentIndex left = x > 0 ? row[x - 1] : 0;
+  const SegmentIndex above = above_row != nullptr ? above_row[x] : 0;
+  const SegmentIndex above_left = above_row != nullptr && x > 0 ? above_row[x - 1] : 0;
   Prediction prediction{.likelier = left,
                         .other = above,
-                        .above_right = LabelOrZero(labels, x + 1, y - 1),
-                        .near_explicit = y > 0 ? above : left};
+                        .above_right = above_row != nullptr && x + 1 < width ? above_row[x + 1] : 0,
+                        .near_explicit = above_row != nullptr ? above : left};
   // A border that ran between above left and above goes on downwards; one that ran between above left and left goes
   // right.
   if (left == above_left) std::swap(prediction.likelier, prediction.other);
@@ -67,10 +64,15 @@ std::optional<std::uint64_t> TakeVarint(std::string_view& bytes) {
 
 void AppendLabels(const Grid<SegmentIndex>& labels, std::string& bytes) {
   std::string explicit_labels;
+  const std::size_t start = bytes.size();
+  bytes.resize(start + labels.size());
+  char* rules = bytes.data() + start;
   for (int y = 0; y < labels.height(); ++y) {
+    const SegmentIndex* row = labels.row(y);
+    const SegmentIndex* above_row = y > 0 ? labels.row(y - 1) : nullptr;
     for (int x = 0; x < labels.width(); ++x) {
-      const SegmentIndex label = labels(x, y);
-      const Prediction prediction = Predict(labels, x, y);
+      const SegmentIndex label = row[x];
+      const Prediction prediction = Predict(row, above_row, x, labels.width());
       Rule rule = kExplicit;
       if (label == prediction.likelier) {
         rule = kLikelier;
@@ -81,7 +83,7 @@ void AppendLabels(const Grid<SegmentIndex>& labels, std::string& bytes) {
       } else {
         AppendVarint(FoldSign(std::int64_t{label} - std::int64_t{prediction.near_explicit}), explicit_labels);
       }
-      bytes.push_back(rule);
+      *rules++ = rule;
     }
   }
   bytes += explicit_labels;
@@ -96,8 +98,10 @@ Result<Grid<SegmentIndex>> ReadLabels(std::string_view bytes, int width, int hei
   std::string_view explicit_labels = bytes.substr(pixels);
   Grid<SegmentIndex> labels(width, height);
   for (int y = 0; y < height; ++y) {
+    SegmentIndex* row = labels.row(y);
+    const SegmentIndex* above_row = y > 0 ? labels.row(y - 1) : nullptr;
     for (int x = 0; x < width; ++x) {
-      const Prediction prediction = Predict(labels, x, y);
+      const Prediction prediction = Predict(row, above_row, x, width);
       std::int64_t label = -1;
       switch (bytes[labels.Index(x, y)]) {
         case kLikelier:
@@ -119,7 +123,7 @@ Result<Grid<SegmentIndex>> ReadLabels(std::string_view bytes, int width, int hei
         return Corrupt("label at (" + std::to_string(x) + ", " + std::to_string(y) +
                        ") is unreadable or outside 0 to " + std::to_string(std::int64_t{num_segments} - 1));
       }
-      labels(x, y) = static_cast<SegmentIndex>(label);
+      row[x] = static_cast<SegmentIndex>(label);
     }
   }
   if (!explicit_labels.empty()) {
