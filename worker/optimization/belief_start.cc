@@ -28,6 +28,7 @@ class Beliefs {
     own_.resize(num_free_ * levels_);
     paths_.resize(num_free_ * levels_);
     path_.resize(levels_);
+    rise_.resize(levels_);
     for (std::size_t level = 1; level < levels_; ++level) {
       gaps_.push_back(problem.levels[level] - problem.levels[level - 1]);
     }
@@ -119,12 +120,17 @@ class Beliefs {
   void Spread(int step_between_levels) {
     const Cost least = *std::min_element(path_.begin(), path_.end());
     for (Cost& cost : path_) cost = static_cast<Cost>(std::min(cost - least, kMostPathCost));
-    const auto gap = [&](std::size_t level) { return std::min(step_between_levels * gaps_[level], kMostPathCost); };
+    for (std::size_t level = 0; level + 1 < levels_; ++level) {
+      rise_[level] = static_cast<Cost>(std::min(step_between_levels * gaps_[level], kMostPathCost));
+    }
+    Cost reached = path_[0];
     for (std::size_t level = 1; level < levels_; ++level) {
-      path_[level] = static_cast<Cost>(std::min<int>(path_[level], path_[level - 1] + gap(level - 1)));
+      reached = std::min(path_[level], static_cast<Cost>(reached + rise_[level - 1]));
+      path_[level] = reached;
     }
     for (std::size_t level = levels_ - 1; level-- > 0;) {
-      path_[level] = static_cast<Cost>(std::min<int>(path_[level], path_[level + 1] + gap(level)));
+      reached = std::min(path_[level], static_cast<Cost>(reached + rise_[level]));
+      path_[level] = reached;
     }
   }
 
@@ -159,6 +165,7 @@ class Beliefs {
   std::vector<Cost> own_;    // [free node][level]
   std::vector<Cost> paths_;  // [free node][level]: in a pass sums of paths, then beliefs
   std::vector<int> gaps_;    // from each level to the next
+  std::vector<Cost> rise_;   // from each level to the next, of the link that is followed
   std::vector<Cost> path_;   // per level: the path that is followed
 };
 

@@ -57,7 +57,7 @@ class MatchTable {
     const NodeIndex i = node % kChunkNodes;
     return {chunk.matches.data() + chunk.begin[i], chunk.matches.data() + chunk.begin[i + 1]};
   }
-  // Those on one level.
+  // Those on one level. Mostly there are none, which one word of the node tells.
   [[nodiscard]] std::span<const Match> At(NodeIndex node, std::size_t level) const;
 
   bool operator==(const MatchTable&) const = default;
@@ -66,10 +66,11 @@ class MatchTable {
   struct Chunk {
     std::vector<Match> matches;
     std::vector<std::uint32_t> begin = {0};  // of each node, and the end
+    std::vector<std::uint64_t> levels;       // of each node: bit l % 64 where it has matches on level l
     bool operator==(const Chunk&) const = default;
   };
   std::vector<Chunk> chunks_;
-  std::vector<Match> open_;  // of the last chunk's nodes and the one being appended, while it grows
+  std::vector<Match> open_;  // of the node that is being appended
   NodeIndex num_nodes_ = 0;
 };
 

@@ -185,7 +185,7 @@ TEST(Preset, UnknownNameListsThoseThereAre) {
     const Result<EstimationParams> preset = Preset(name);
     ASSERT_FALSE(preset.ok());
     EXPECT_EQ(preset.status().code(), ErrorCode::kInvalidArgument);
-    EXPECT_THAT(preset.status().message(), HasSubstr("'" + name + "', expected default or paper"));
+    EXPECT_THAT(preset.status().message(), HasSubstr("'" + name + "', expected default, best, fast or paper"));
   }
 }
 
