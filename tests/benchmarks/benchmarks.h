@@ -7,7 +7,7 @@ namespace depthfarm::benchmarks {
 
 // Register the benchmarks with the library; `frames` and `failed` must outlive their run. A wrong result sets `failed`:
 // the library itself ends with success.
-void RegisterStageBenchmarks(MeasuredFrames& frames);
+void RegisterStageBenchmarks(MeasuredFrames& frames, bool& failed);
 void RegisterFlowBenchmarks(MeasuredFrames& frames, bool& failed);
 
 }  // namespace depthfarm::benchmarks

@@ -24,9 +24,9 @@ int Run(std::vector<std::string> words) {
   benchmark::Initialize(&count, arguments.data());
   if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
 
-  MeasuredFrames frames(quick ? Workload{3, 160, 120, 960, {300, 900}} : Workload{});
+  MeasuredFrames frames(quick ? Workload{3, 160, 120, 960, {300, 900}, 200, 40} : Workload{});
   bool failed = false;
-  depthfarm::benchmarks::RegisterStageBenchmarks(frames);
+  depthfarm::benchmarks::RegisterStageBenchmarks(frames, failed);
   depthfarm::benchmarks::RegisterFlowBenchmarks(frames, failed);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

@@ -1,6 +1,7 @@
 #include "tests/benchmarks/measured_frames.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/job/level_partition.h"
 
@@ -12,11 +13,15 @@ constexpr double kNoise = 1.5;  // grey levels, as `depthfarm scene`
 
 }  // namespace
 
-MeasuredFrame::Block MeasuredFrame::FirstBlock() const {
+std::vector<Level> MeasuredFrame::LevelsOfFirstBlock() const {
+  return LevelsOfBlock(job.params.levels, num_blocks, job.params.partition, 0);
+}
+
+MeasuredFrame::Block MeasuredFrame::BlockOf(std::vector<Level> levels) const {
   const FrameProblem frame(job, analysis);
   Block block;
   block.problem.num_nodes = frame.num_nodes();
-  block.problem.levels = LevelsOfBlock(job.params.levels, num_blocks, job.params.partition, 0);
+  block.problem.levels = std::move(levels);
   block.problem.matches_per_node = frame.matches_per_node();
   block.problem.smoothness = frame.smoothness();
   block.problem.fixed.assign(frame.num_nodes(), 0);
@@ -38,11 +43,25 @@ const MeasuredFrame& MeasuredFrames::WithSegments(int segments) {
   if (known != frames_.end()) return known->second;
   EstimationParams params;
   params.segments = segments;
+  MeasuredFrame frame = Frame(params);
+  frame.num_blocks = std::max(2, frame.job.level_blocks_i);
+  return frames_.emplace(segments, std::move(frame)).first->second;
+}
+
+const MeasuredFrame& MeasuredFrames::OfPaper() {
+  if (paper_) return *paper_;
+  EstimationParams params = Preset("paper").value();
+  params.segments = workload_.paper_segments;
+  params.levels = workload_.paper_levels;
+  paper_ = Frame(params);
+  return *paper_;
+}
+
+MeasuredFrame MeasuredFrames::Frame(const EstimationParams& params) {
   MeasuredFrame frame;
   frame.job = ResolveJob(Rendered().sequence, params).value();
   frame.analysis = test::Analyse(Rendered(), frame.job, 0);
-  frame.num_blocks = std::max(2, frame.job.level_blocks_i);
-  return frames_.emplace(segments, std::move(frame)).first->second;
+  return frame;
 }
 
 }  // namespace depthfarm::benchmarks

@@ -20,6 +20,8 @@ struct Workload {
   int height = 1080;
   int snic_segments = 103'680;                      // one per 20 pixels of 1920x1080
   std::vector<int> flow_segments{50'000, 100'000};  // of each view, for graphs of moves
+  int paper_segments = 20'000;                      // of each view, for searches of the paper's energy
+  int paper_levels = 250;
 };
 
 // The frame as a job with default options sees it.
@@ -33,7 +35,10 @@ struct MeasuredFrame {
     LabellingProblem problem;
     std::vector<Level> start;
   };
-  [[nodiscard]] Block FirstBlock() const;
+  [[nodiscard]] Block FirstBlock() const { return BlockOf(LevelsOfFirstBlock()); }
+  // The problem of some levels, with that start.
+  [[nodiscard]] Block BlockOf(std::vector<Level> levels) const;
+  [[nodiscard]] std::vector<Level> LevelsOfFirstBlock() const;
 };
 
 // Renders and analyses frames when they are first asked for, so that a benchmark that is left out costs nothing.
@@ -45,13 +50,17 @@ class MeasuredFrames {
   [[nodiscard]] const YcbcrImage& FirstPicture() { return Rendered().pictures.front().front(); }
   // With so many segments in each view; 0: as many as the job chooses.
   [[nodiscard]] const MeasuredFrame& WithSegments(int segments);
+  // With every match in full, as --preset paper has it; n = 1.
+  [[nodiscard]] const MeasuredFrame& OfPaper();
 
  private:
   [[nodiscard]] const test::RenderedSequence& Rendered();
+  [[nodiscard]] MeasuredFrame Frame(const EstimationParams& params);
 
   Workload workload_;
   std::optional<test::RenderedSequence> rendered_;
   std::map<int, MeasuredFrame> frames_;
+  std::optional<MeasuredFrame> paper_;
 };
 
 }  // namespace depthfarm::benchmarks

@@ -10,6 +10,7 @@
 
 #include "common/job/level_partition.h"
 #include "tests/benchmarks/benchmarks.h"
+#include "tests/support/cut_oracle.h"
 #include "worker/estimation/estimation.h"
 #include "worker/estimation/frame_problem.h"
 #include "worker/estimation/reward_floors.h"
@@ -68,23 +69,48 @@ void MeasureMatching(benchmark::State& state, MeasuredFrames& frames, bool floor
       benchmark::Counter(entries, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-// Labels from nothing: one full sweep from each node's best reward, or the default's search with its start.
-void MeasureSearch(benchmark::State& state, MeasuredFrames& frames, bool sparse) {
-  const MeasuredFrame& frame = frames.WithSegments(0);
-  const MeasuredFrame::Block block = frame.FirstBlock();
+constexpr int kSparse = 0;  // sweeps
+
+// Labels from nothing: full sweeps from each node's best reward, or (kSparse) the default's search with its start.
+void MeasureSearch(benchmark::State& state, const MeasuredFrame& frame, const MeasuredFrame::Block& block, int sweeps) {
   const std::vector<SegmentGrid> grids = FrameProblem(frame.job, frame.analysis).Grids();
   SearchSummary summary;
   for ([[maybe_unused]] auto _ : state) {
     state.PauseTiming();
     std::vector<Level> labels = block.start;
     state.ResumeTiming();
-    if (sparse) BeliefStart(block.problem, grids, kBeliefPasses, labels, {});
-    summary = sparse ? SearchSparsely(block.problem, labels, {}) : SearchFully(block.problem, labels, 1, {});
+    if (sweeps == kSparse) {
+      BeliefStart(block.problem, grids, kBeliefPasses, labels, {});
+      summary = SearchSparsely(block.problem, labels, {});
+    } else {
+      summary = SearchFully(block.problem, labels, sweeps, {});
+    }
   }
   state.counters["nodes"] = block.problem.num_nodes;
   state.counters["levels"] = static_cast<double>(block.problem.levels.size());
   state.counters["moves"] = static_cast<double>(summary.moves);
   state.counters["energy"] = static_cast<double>(summary.energy);
+}
+
+// One sweep over some levels of the paper's problem by moves that are written out term by term and cut by Boost.
+void MeasureOracle(benchmark::State& state, const MeasuredFrame::Block& block, bool& failed) {
+  std::vector<Level> labels;
+  for ([[maybe_unused]] auto _ : state) {
+    labels = block.start;
+    for (const Level level : block.problem.levels) labels = test::ExpandPlainly(block.problem, labels, level);
+  }
+  std::vector<Level> ours = block.start;
+  state.counters["energy"] = static_cast<double>(SearchFully(block.problem, ours, 1, {}).energy);
+  if (ours != labels) {
+    failed = true;
+    state.SkipWithError("the labels of the core's sweep are others");
+  }
+}
+
+std::vector<Level> EveryTwentyFifth(int num_levels) {
+  std::vector<Level> levels;
+  for (int level = 12; level < num_levels; level += 25) levels.push_back(static_cast<Level>(level));
+  return levels;
 }
 
 // Blocks 0 and 1 into one.
@@ -160,15 +186,35 @@ void MeasureRefinement(benchmark::State& state, MeasuredFrames& frames, RefinedR
 
 }  // namespace
 
-void RegisterStageBenchmarks(MeasuredFrames& frames) {
+void RegisterStageBenchmarks(MeasuredFrames& frames, bool& failed) {
   const auto add = [&](const std::string& name, const std::function<void(benchmark::State&)>& measure) {
     benchmark::RegisterBenchmark(name.c_str(), measure)->Unit(benchmark::kMillisecond);
   };
   add("SegmentSnic", [&frames](benchmark::State& state) { MeasureSnic(state, frames); });
   add("MatchesOnLevels/floors_unknown", [&frames](benchmark::State& state) { MeasureMatching(state, frames, false); });
   add("MatchesOnLevels/floors_known", [&frames](benchmark::State& state) { MeasureMatching(state, frames, true); });
-  add("SearchFully/one_sweep", [&frames](benchmark::State& state) { MeasureSearch(state, frames, false); });
-  add("SearchSparsely", [&frames](benchmark::State& state) { MeasureSearch(state, frames, true); });
+  for (const int sweeps : {1, kSparse}) {
+    const std::string name = sweeps == kSparse ? "SearchSparsely" : "SearchFully/sweeps:" + std::to_string(sweeps);
+    add(name, [&frames, sweeps](benchmark::State& state) {
+      const MeasuredFrame& frame = frames.WithSegments(0);
+      MeasureSearch(state, frame, frame.FirstBlock(), sweeps);
+    });
+  }
+  for (const int sweeps : {2, kSparse}) {
+    const std::string name = sweeps == kSparse ? "SearchSparsely" : "SearchFully/sweeps:" + std::to_string(sweeps);
+    add("PaperEnergy/" + name, [&frames, sweeps](benchmark::State& state) {
+      const MeasuredFrame& frame = frames.OfPaper();
+      MeasureSearch(state, frame, frame.BlockOf(frame.LevelsOfFirstBlock()), sweeps);
+    });
+  }
+  add("PaperEnergy/some_levels/SearchFully/sweeps:1", [&frames](benchmark::State& state) {
+    const MeasuredFrame& frame = frames.OfPaper();
+    MeasureSearch(state, frame, frame.BlockOf(EveryTwentyFifth(frame.job.params.levels)), 1);
+  });
+  add("PaperEnergy/some_levels/oracle", [&frames, &failed](benchmark::State& state) {
+    const MeasuredFrame& frame = frames.OfPaper();
+    MeasureOracle(state, frame.BlockOf(EveryTwentyFifth(frame.job.params.levels)), failed);
+  });
   add("Fuse", [&frames](benchmark::State& state) { MeasureFusion(state, frames); });
   const auto rounds = std::make_shared<RefinedRounds>(frames);
   for (const int round : {1, EstimationParams().refine_rounds}) {
