@@ -37,8 +37,8 @@ SearchSummary SearchFully(const LabellingProblem& problem, std::vector<Level>& l
 
 SearchSummary SearchSparsely(const LabellingProblem& problem, std::vector<Level>& labels, const std::stop_token& stop) {
   constexpr std::size_t kFewLevels = 32;  // as cheap as it gets, and each far from the next
-  constexpr std::size_t kFullLevels = 8;
-  constexpr std::size_t kMostStride = 8;
+  constexpr std::size_t kFullLevels = 16;
+  constexpr std::size_t kMostStride = 4;
   constexpr std::size_t kBand = 3;
   Expansion expansion(problem, labels);
   SearchSummary summary;
