@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -46,13 +47,28 @@ struct Terms {
   double slope;
 };
 
-// The links of each segment, one after the other: those of s are [first[s], first[s + 1]).
+// The segments that may move, ascending.
+struct FreeSegments {
+  static constexpr std::uint32_t kKept = std::numeric_limits<std::uint32_t>::max();
+
+  explicit FreeSegments(std::span<const std::uint8_t> kept) : number_of(kept.size(), kKept) {
+    for (SegmentIndex s = 0; s < kept.size(); ++s) {
+      if (kept[s] != 0) continue;
+      number_of[s] = static_cast<std::uint32_t>(all.size());
+      all.push_back(s);
+    }
+  }
+  std::vector<SegmentIndex> all;
+  std::vector<std::uint32_t> number_of;  // by segment: its place in `all`, or kKept
+};
+
+// The links of each free segment, one after the other: those of the i-th are [first[i], first[i + 1]).
 struct Links {
   std::vector<std::size_t> first;
   std::vector<Link> all;
 
-  [[nodiscard]] std::span<const Link> Of(std::size_t s) const {
-    return std::span(all).subspan(first[s], first[s + 1] - first[s]);
+  [[nodiscard]] std::span<const Link> Of(std::size_t i) const {
+    return std::span(all).subspan(first[i], first[i + 1] - first[i]);
   }
 };
 
@@ -63,24 +79,30 @@ double Gap(const Local& own, const Local& other, double dx, double dy) {
   return 0.5 * (std::abs(there) + std::abs(here));
 }
 
-Links LinksOf(const SegmentMap& map, std::span<const Local> start, double gap_scale) {
-  Links links{.first = std::vector<std::size_t>(start.size() + 1), .all = {}};
+Links LinksOf(const SegmentMap& map, const FreeSegments& free, std::span<const Local> start, double gap_scale) {
+  constexpr std::uint32_t kKept = FreeSegments::kKept;
+  Links links{.first = std::vector<std::size_t>(free.all.size() + 1), .all = {}};
   for (const auto& [s, t] : map.adjacency) {
-    ++links.first[s + 1];
-    ++links.first[t + 1];
+    if (free.number_of[s] != kKept) ++links.first[free.number_of[s] + 1];
+    if (free.number_of[t] != kKept) ++links.first[free.number_of[t] + 1];
   }
   std::partial_sum(links.first.begin(), links.first.end(), links.first.begin());
   links.all.resize(links.first.back());
   std::vector<std::size_t> next(links.first.begin(), links.first.end() - 1);
   for (const auto& [s, t] : map.adjacency) {
+    const std::uint32_t number_of_s = free.number_of[s];
+    const std::uint32_t number_of_t = free.number_of[t];
+    if (number_of_s == kKept && number_of_t == kKept) continue;
     const int dx = map.centers[t].x - map.centers[s].x;
     const int dy = map.centers[t].y - map.centers[s].y;
     const double gap = Gap(start[s], start[t], dx, dy) / gap_scale;
     const double colour = static_cast<double>(L1Distance(map.means[s], map.means[t])) / kMeanColorScale;
     const double robust = 1 / (1 + gap * gap);
     const double weight = kLambda * robust * robust / (1 + colour / kColourScale);
-    links.all[next[s]++] = {t, static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy), weight};
-    links.all[next[t]++] = {s, static_cast<std::int16_t>(-dx), static_cast<std::int16_t>(-dy), weight};
+    if (number_of_s != kKept)
+      links.all[next[number_of_s]++] = {t, static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy), weight};
+    if (number_of_t != kKept)
+      links.all[next[number_of_t]++] = {s, static_cast<std::int16_t>(-dx), static_cast<std::int16_t>(-dy), weight};
   }
   return links;
 }
@@ -135,23 +157,26 @@ void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, d
   std::vector<Local> start(n);
   for (std::size_t s = 0; s < n; ++s)
     start[s] = {planes[s].a, planes[s].b, planes[s].At(map.centers[s].x, map.centers[s].y)};
-  const Links links = LinksOf(map, start, gap_scale);
-  std::vector<Equations> equations(n);
-  for (std::size_t s = 0; s < n; ++s)
-    if (view.kept[s] == 0) equations[s] = EquationsOf(data[s], start[s], links.Of(s));
+  const FreeSegments free(view.kept);
+  const Links links = LinksOf(map, free, start, gap_scale);
+  std::vector<Equations> equations;
+  equations.reserve(free.all.size());
+  for (std::size_t i = 0; i < free.all.size(); ++i)
+    equations.push_back(EquationsOf(data[free.all[i]], start[free.all[i]], links.Of(i)));
   std::vector<Local> now = start;
-  const auto update = [&](std::size_t s) {
-    const SymmetricFactor& factor = equations[s].factor;
-    if (!factor.definite()) return;  // nor is that of a kept segment
-    Local solved = factor.Solve(RightSide(equations[s], links.Of(s), now));
+  const auto update = [&](std::size_t i) {
+    const SymmetricFactor& factor = equations[i].factor;
+    if (!factor.definite()) return;
+    const SegmentIndex s = free.all[i];
+    Local solved = factor.Solve(RightSide(equations[i], links.Of(i), now));
     solved[2] = std::clamp(solved[2], start[s][2] - kMaxStep, start[s][2] + kMaxStep);
     now[s] = solved;
   };
+  const std::size_t count = free.all.size();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (std::size_t i = 0; i < n; ++i) update(sweep % 2 == 0 ? i : n - 1 - i);
+    for (std::size_t i = 0; i < count; ++i) update(sweep % 2 == 0 ? i : count - 1 - i);
   }
-  for (std::size_t s = 0; s < n; ++s) {
-    if (view.kept[s] != 0) continue;  // its bits too
+  for (const SegmentIndex s : free.all) {
     const auto& [a, b, u] = now[s];
     planes[s] = {static_cast<float>(a), static_cast<float>(b),
                  static_cast<float>(u - a * map.centers[s].x - b * map.centers[s].y)};
