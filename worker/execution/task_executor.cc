@@ -146,6 +146,7 @@ Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
   DEPTHFARM_RETURN_IF_ERROR(CheckFrame(task.spec, task.job()));
   DEPTHFARM_RETURN_IF_ERROR(CheckKind(task.spec.id, task.config));
   for (const ArtifactKey& key : passed_rounds_.PassedBy(task.spec)) cache_.Erase(key);
+  if (task.spec.id.kind != TaskKind::kRefine) refining_.Clear();
   switch (task.spec.id.kind) {
     case TaskKind::kAnalyse:
       return Analyse(task, outcome);
@@ -334,7 +335,7 @@ Status TaskExecutor::Refine(const Task& task, TaskOutcome& outcome) {
   Result<RefinedView> refined = round == 0
                                     ? StartOf(task.spec, job, task.inputs)
                                     : RefineView(job, view, round, task.inputs.ListedAnalyses(InputRole::kAnalysis),
-                                                 task.inputs.ListedRefined(InputRole::kRefined), task.stop);
+                                                 task.inputs.ListedRefined(InputRole::kRefined), refining_, task.stop);
   if (!refined.ok()) return refined.status().WithContext(task.FrameName());
   return Store(task, std::move(*refined), outcome);
 }

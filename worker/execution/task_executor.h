@@ -13,6 +13,7 @@
 #include "worker/execution/artifact_fetcher.h"
 #include "worker/execution/passed_rounds.h"
 #include "worker/execution/task_inputs.h"
+#include "worker/refinement/view_memory.h"
 
 namespace depthfarm {
 
@@ -71,6 +72,7 @@ class TaskExecutor {
   MemoryCache& cache_;
   ArtifactFetcher& fetcher_;
   FloorMemory floors_;
+  ViewMemory refining_;
   PassedRounds passed_rounds_;
 };
 

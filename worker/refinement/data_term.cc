@@ -13,8 +13,8 @@ constexpr double kMisfitFloor = 0.03;    // of rho: differences below tell nothi
 constexpr double kAgreement = 50;        // weight of another view's depth
 constexpr double kAgreementScale = 0.5;  // pixels of u
 
-// One pixel of each `row_step` x `column_step` speaks, for all of them: what the others would add is not worth its
-// time.
+// One pixel of each `row_step` x `column_step` (1 or 2) speaks, for all of them: what the others would add is not worth
+// its time. Its column is even where its row is.
 struct Sampling {
   int row_step = 1;
   int column_step = 1;
@@ -111,14 +111,22 @@ void AddPixel(const PixelFit& pixel, double px, double py, Fit& fit) {
   rhs[2] -= pixel.gr;
 }
 
-// `picture`: the other view's. Piece by piece of a row, each step for all its pixels: what one pixel waits for (a
-// division, a root, a value of the map) is of no concern to the next.
+// The pixels of row y that speak, from left to right.
+void FindSpeaking(const FreePixels& free, int y, int step, std::vector<int>& speaking) {
+  speaking.clear();
+  for (const PixelRun& run : free.Row(y))
+    for (int x = run.left + (run.left + y) % step; x < run.right; x += step) speaking.push_back(x);
+}
+
+// By the number of the segment among those that are free. `picture`: the other view's. Piece by piece of a row, each
+// step for all its pixels: what one pixel waits for (a division, a root, a value of the map) is of no concern to the
+// next.
 template <typename Pixel>
 std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture, const PictureColours& own,
-                             const RefinedView& refined, const InverseDepthMap& map,
+                             const RefinedView& refined, const FreePixels& free, const InverseDepthMap& map,
                              std::span<const PixelPosition> centers, bool blurred, const std::stop_token& stop) {
-  constexpr int kPiece = 64;  // pixels
-  std::vector<Fit> fits(centers.size());
+  constexpr std::size_t kPiece = 64;  // pixels
+  std::vector<Fit> fits(free.num_segments());
   const Sampling sampling = blurred ? kSmoothed : kSharp;
   const int share = sampling.row_step * sampling.column_step;
   const double base = share / (other.sigma * other.sigma * (blurred ? kBlurArea : 1));
@@ -126,15 +134,14 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture,
   const Comparison<Pixel> comparison(other, picture, base);
   std::array<SeenPixel, kPiece> seen_pixels{};
   std::array<PixelFit, kPiece> pixel_fits{};
+  std::vector<int> speaking;
   for (int y = 0; y < own.height() && !stop.stop_requested(); y += sampling.row_step) {
-    for (int left = y % sampling.column_step; left < own.width(); left += kPiece * sampling.column_step) {
-      const int right = std::min(own.width(), left + kPiece * sampling.column_step);
+    FindSpeaking(free, y, sampling.column_step, speaking);
+    for (std::size_t first = 0; first < speaking.size(); first += kPiece) {
       std::size_t num_seen = 0;
-      for (int x = left; x < right; x += sampling.column_step) {
-        const PlaneIndex s = refined.plane_of_pixel(x, y);
-        if (!refined.IsFree(s)) continue;
+      for (const int x : std::span(speaking).subspan(first, std::min(kPiece, speaking.size() - first))) {
         if (const auto seen = sight.Of(x, y, map(x, y)))
-          seen_pixels[num_seen++] = {.x = x, .segment = s, .seen = *seen};
+          seen_pixels[num_seen++] = {.x = x, .segment = refined.plane_of_pixel(x, y), .seen = *seen};
       }
       std::size_t num_fits = 0;
       for (const SeenPixel& pixel : std::span(seen_pixels).first(num_seen)) {
@@ -145,7 +152,7 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture,
       }
       for (const PixelFit& fit : std::span(pixel_fits).first(num_fits)) {
         const PixelPosition& center = centers[fit.segment];
-        AddPixel(fit, fit.x - center.x, y - center.y, fits[fit.segment]);
+        AddPixel(fit, fit.x - center.x, y - center.y, fits[free.NumberOf(fit.segment)]);
       }
     }
   }
@@ -154,21 +161,24 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture,
 
 }  // namespace
 
-std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined, const InverseDepthMap& map,
-                                      std::span<const PixelPosition> centers, std::span<const OtherView> others,
-                                      bool blurred, const std::stop_token& stop) {
+std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined, const FreePixels& free,
+                                      const InverseDepthMap& map, std::span<const PixelPosition> centers,
+                                      std::span<const OtherView> others, bool blurred, const std::stop_token& stop) {
   std::vector<std::vector<Fit>> fits;
   for (const OtherView& other : others) {
-    fits.push_back(other.colour.With(
-        [&](const auto& picture) { return FitsAgainst(other, picture, own, refined, map, centers, blurred, stop); }));
+    fits.push_back(other.colour.With([&](const auto& picture) {
+      return FitsAgainst(other, picture, own, refined, free, map, centers, blurred, stop);
+    }));
   }
   std::vector<NormalEquations> result(centers.size());
-  for (std::size_t s = 0; s < centers.size(); ++s) {
+  for (PlaneIndex s = 0; s < centers.size(); ++s) {
+    if (refined.kept[s] != 0) continue;
+    const std::size_t number = free.NumberOf(s);
     double best = 1;
     for (const auto& view : fits)
-      if (view[s].pixels > 0) best = std::min(best, view[s].rho / view[s].pixels);
+      if (view[number].pixels > 0) best = std::min(best, view[number].rho / view[number].pixels);
     for (const auto& view : fits) {
-      const Fit& fit = view[s];
+      const Fit& fit = view[number];
       if (fit.pixels == 0) continue;
       const double ratio = (best + kMisfitFloor) / (fit.rho / fit.pixels + kMisfitFloor);
       for (std::size_t i = 0; i < 6; ++i) result[s].h[i] += ratio * ratio * fit.equations.h[i];
@@ -182,9 +192,11 @@ void AddAgreement(const RefinedView& refined, std::span<const PixelPosition> cen
                   std::vector<NormalEquations>& equations) {
   for (const OtherView& other : others) {
     const InverseDepthMap& there = *other.map;
+    const Sight sight(*other.pair, there);
     for (std::size_t s = 0; s < centers.size(); ++s) {
+      if (refined.kept[s] != 0) continue;
       const double u = refined.planes[s].At(centers[s].x, centers[s].y);
-      const auto seen = SeenIn(*other.pair, there, centers[s].x, centers[s].y, u);
+      const auto seen = sight.Of(centers[s].x, centers[s].y, u);
       if (!seen || !(seen->u_in_other > 0)) continue;
       const int x = std::min(static_cast<int>(seen->x), there.width() - 2);
       const int y = std::min(static_cast<int>(seen->y), there.height() - 2);

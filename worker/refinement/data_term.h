@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "worker/refinement/free_pixels.h"
 #include "worker/refinement/other_view.h"
 #include "worker/segmentation/segment_map.h"
 
@@ -17,18 +18,20 @@ struct NormalEquations {
   std::array<double, 3> rhs{};
 };
 
-// Gauss-Newton on the colour differences of the free pixels (RefinedView::IsFree) of each segment against each other
+// Gauss-Newton on the colour differences of the free pixels of each segment against each other
 // view, of which every second one speaks for two, every fourth of smoothed pictures for four; an other view that does
-// not fit a segment (a silhouette) counts less there. `map` is refined.Map(), `centers` has one per segment. `blurred`:
+// not fit a segment (a silhouette) counts less there. `free` is FreePixels(refined), `map` is refined.Map(),
+// `centers` has one per segment, and so has the result; that of kept ones is 0. `blurred`:
 // the colours are smoothed, so neighbouring differences are not independent. Ends early with a part of the sum once
 // `stop` is requested.
 [[nodiscard]] std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined,
-                                                    const InverseDepthMap& map, std::span<const PixelPosition> centers,
+                                                    const FreePixels& free, const InverseDepthMap& map,
+                                                    std::span<const PixelPosition> centers,
                                                     std::span<const OtherView> others, bool blurred,
                                                     const std::stop_token& stop = {});
 
-// Draws each segment's plane, at its centre, to the depth that the other views have where it is seen, unless that is
-// far off (more than about half a pixel of u) or at a jump there.
+// Draws the plane of each segment that is not kept, at its centre, to the depth that the other views have where it is
+// seen, unless that is far off (more than about half a pixel of u) or at a jump there.
 void AddAgreement(const RefinedView& refined, std::span<const PixelPosition> centers, std::span<const OtherView> others,
                   std::vector<NormalEquations>& equations);
 

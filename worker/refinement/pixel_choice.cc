@@ -255,12 +255,13 @@ void MarkNearChanges(const Choices& choices, const RefinedView& view, Grid<std::
 
 }  // namespace
 
-void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, std::span<const OtherView> others,
-                  const PriorField* prior, RefinedView& view, const std::stop_token& stop) {
+void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, const InverseDepthMap& map,
+                  std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
+                  const std::stop_token& stop) {
   PatchCost cost(own, others);
   KnownCosts known(own.width(), own.height());  // of all passes: planes and maps stay, only who has which plane changes
   const Chooser chooser(own, segments, prior, known);
-  Grid<std::uint8_t> open = JumpBand(view.Map());
+  Grid<std::uint8_t> open = JumpBand(map);
   const auto band = static_cast<std::size_t>(std::count(open.values().begin(), open.values().end(), 1));
   Choices choices;
   choices.all.reserve(band);

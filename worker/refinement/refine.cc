@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <deque>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "worker/refinement/data_term.h"
+#include "worker/refinement/free_pixels.h"
 #include "worker/refinement/pixel_choice.h"
 #include "worker/refinement/plain_regions.h"
 #include "worker/refinement/plane_solver.h"
@@ -42,10 +44,12 @@ Status CheckView(const ResolvedJob& job, int view) {
                          " views is to be refined");
 }
 
-// Per segment of `analysis`: 1 where the picture does not tell its depth. `colours`: of the picture.
-std::vector<std::uint8_t> PlainSegmentsOf(const ViewAnalysis& analysis, const PictureColours& colours) {
-  if (colours.smoothed() != nullptr) return PlainSegments(*colours.smoothed(), analysis.segments);
-  return PlainSegments(Blurred(analysis.picture), analysis.segments);
+// The view and those it is compared with, in the order of `geometry`; of what is listed by view.
+template <typename T>
+std::vector<T> InOrder(const std::vector<T>& of_views, int view, const ViewGeometry& geometry) {
+  std::vector<T> listed{of_views[static_cast<std::size_t>(view)]};
+  for (const PairGeometry& pair : geometry.pairs) listed.push_back(of_views[static_cast<std::size_t>(pair.other)]);
+  return listed;
 }
 
 // What the view's prior says, if it has one that can be used.
@@ -60,12 +64,13 @@ std::optional<PriorField> PriorOf(const ResolvedJob& job, std::size_t view, cons
   return FitPrior(analysis.prior, scale, analysis.segments, told, refined);
 }
 
-// Surfaces without texture, each as a whole; then, with a prior (null: none), all other segments. `plain`: of the
-// view's segments.
-void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const PictureColours& own,
-                   std::span<const OtherView> others, std::span<const std::uint8_t> plain, const PriorField* prior,
-                   RefinedView& refined, const std::stop_token& stop) {
-  const SegmentMap& segments = analysis[view]->segments;
+// Surfaces without texture, each as a whole; then, with a prior (null: none), all other segments. `analysis` and
+// `smoothed`: InOrder.
+void DecideRegions(const FrameAnalysis& analysis, const ViewMemory::Smoothed& smoothed, const PictureColours& own,
+                   std::span<const OtherView> others, const PriorField* prior, RefinedView& refined,
+                   const std::stop_token& stop) {
+  const SegmentMap& segments = analysis[0]->segments;
+  const std::vector<std::uint8_t>& plain = smoothed[0]->plain;
   const std::vector<PlainRegion> regions = FindPlainRegions(segments, plain, refined);
   std::vector<std::uint8_t> decided(segments.centers.size());
   for (const PlainRegion& region : regions)
@@ -73,11 +78,8 @@ void DecideRegions(const FrameAnalysis& analysis, std::size_t view, const Pictur
   if (prior != nullptr) TakePrior(own, segments, *prior, decided, others, refined);
   if (regions.empty()) return;
   std::vector<InverseDepthMap> occluders;
-  for (const OtherView& other : others) {
-    const auto of = static_cast<std::size_t>(other.pair->other);
-    occluders.push_back(
-        Occluders(*other.map, analysis[of]->segments.labels, PlainSegmentsOf(*analysis[of], other.colour)));
-  }
+  for (std::size_t i = 0; i < others.size(); ++i)
+    occluders.push_back(Occluders(*others[i].map, analysis[i + 1]->segments.labels, smoothed[i + 1]->plain));
   std::vector<OtherView> in_front(others.begin(), others.end());
   for (std::size_t i = 0; i < in_front.size(); ++i) in_front[i].map = &occluders[i];
   DecidePlainRegions(own, segments, regions, in_front, prior, refined, stop);
@@ -152,6 +154,12 @@ Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const View
 
 Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
                                const FrameRefinement& before, const std::stop_token& stop) {
+  ViewMemory memory;
+  return RefineView(job, view, round, analysis, before, memory, stop);
+}
+
+Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
+                               const FrameRefinement& before, ViewMemory& memory, const std::stop_token& stop) {
   const int rounds = job.params.refine_rounds;
   if (round < 1 || round > rounds) {
     return InvalidArgument("refinement round " + std::to_string(round) + " of " + std::to_string(rounds) +
@@ -164,21 +172,25 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const ViewGeometry geometry = RefinementGeometry(job, view);
   const bool agree = round > rounds - job.params.choice_rounds;  // with the other views' depth, a choice for each pixel
   const bool blur = round <= kBlurredRounds && !agree;           // edges are chosen on the pictures as they are
-  std::deque<FineImage> smoothed;
-  const auto colours_of = [&](const YcbcrImage& picture) -> PictureColours {
-    if (!blur) return picture;
-    return smoothed.emplace_back(Blurred(picture));
+  const bool has_prior = !analysis[v]->prior.empty();
+  // The view itself first.
+  const FrameAnalysis analyses = InOrder(analysis, view, geometry);
+  ViewMemory::Smoothed smoothed;
+  if (blur || round == kPlainRound || has_prior) {
+    smoothed = memory.SmoothedOf(blur || round == kPlainRound ? analyses : FrameAnalysis{analysis[v]});
+  } else {
+    memory.ForgetSmoothed();
+  }
+  const ViewMemory::Maps maps = memory.MapsOf(InOrder(before, view, geometry));
+  const auto colours = [&](std::size_t i) -> PictureColours {
+    if (blur) return smoothed[i]->colours;
+    return analyses[i]->picture;
   };
-  const PictureColours own = colours_of(analysis[v]->picture);
-  InverseDepthMap map = before[v]->Map();
-
-  std::deque<InverseDepthMap> maps;
+  const PictureColours own = colours(0);
   std::vector<OtherView> others;
-  for (const PairGeometry& pair : geometry.pairs) {
-    const auto of = static_cast<std::size_t>(pair.other);
-    OtherView other{.pair = &pair, .colour = colours_of(analysis[of]->picture), .map = nullptr};
-    other.map = &maps.emplace_back(before[of]->Map());
-    other.sigma = MeasureNoise(own, map, other);
+  for (std::size_t i = 1; i < analyses.size(); ++i) {
+    OtherView other{.pair = &geometry.pairs[i - 1], .colour = colours(i), .map = maps[i].get()};
+    other.sigma = MeasureNoise(own, *maps[0], other);
     others.push_back(other);
   }
   if (stop.stop_requested()) return Cancelled();
@@ -186,26 +198,26 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   RefinedView refined = *before[v];
   const SegmentMap& segments = analysis[v]->segments;
   std::optional<PriorField> prior;
-  std::vector<std::uint8_t> plain;
-  if (round == kPlainRound || !analysis[v]->prior.empty()) {
-    plain = PlainSegmentsOf(*analysis[v], own);
-    prior = PriorOf(job, v, *analysis[v], geometry.pixels_per_inverse_depth, plain, refined);
-  }
+  if (has_prior) prior = PriorOf(job, v, *analysis[v], geometry.pixels_per_inverse_depth, smoothed[0]->plain, refined);
   const PriorField* prior_or_null = prior.has_value() ? &*prior : nullptr;
+  const FreePixels free(refined);
+  InverseDepthMap map = *maps[0];
   if (round == kPlainRound) {
-    DecideRegions(analysis, v, own, others, plain, prior_or_null, refined, stop);
+    DecideRegions(analyses, smoothed, own, others, prior_or_null, refined, stop);
     if (stop.stop_requested()) return Cancelled();
-    map = refined.Map();
+    UpdateMap(refined, free, map);
   }
-  std::vector<NormalEquations> data = DataTerm(own, refined, map, segments.centers, others, blur, stop);
+  std::vector<NormalEquations> data = DataTerm(own, refined, free, map, segments.centers, others, blur, stop);
   if (prior_or_null != nullptr) AddPrior(*prior_or_null, refined, segments.centers, data);
   if (agree) AddAgreement(*before[v], segments.centers, others, data);
-  map = {};  // not needed from here on
   if (stop.stop_requested()) return Cancelled();
   const double progress = rounds > 1 ? static_cast<double>(round - 1) / (rounds - 1) : 1;
   SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined);
   if (stop.stop_requested()) return Cancelled();
-  if (agree) ChoosePlanes(analysis[v]->picture, segments.labels, others, prior_or_null, refined, stop);
+  if (agree) {
+    UpdateMap(refined, free, map);
+    ChoosePlanes(analysis[v]->picture, segments.labels, map, others, prior_or_null, refined, stop);
+  }
   if (stop.stop_requested()) return Cancelled();
   return refined;
 }

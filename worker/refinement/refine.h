@@ -10,6 +10,7 @@
 #include "common/job/resolved_job.h"
 #include "worker/estimation/estimation.h"
 #include "worker/refinement/plane_field.h"
+#include "worker/refinement/view_memory.h"
 
 namespace depthfarm {
 
@@ -37,7 +38,11 @@ struct RefinementReferences {
 // surfaces without texture have been decided as a whole, the last params.choice_rounds on sharp ones and also with
 // agreement with the depth of those views and a choice of plane for each pixel at depth jumps. `analysis` and `before`
 // (each view after the round before) are read for the view and those it is compared with; the others may be null. So
-// all views of a round can be refined at once, in any order. Errors: as StartRefinement; kCancelled.
+// all views of a round can be refined at once, in any order; one after the other with the same `memory` saves time.
+// Errors: as StartRefinement; kCancelled.
+[[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
+                                             const FrameRefinement& before, ViewMemory& memory,
+                                             const std::stop_token& stop = {});
 [[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
                                              const FrameRefinement& before, const std::stop_token& stop = {});
 

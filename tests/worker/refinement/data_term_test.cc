@@ -16,7 +16,7 @@ double Step(const NormalEquations& equations) { return equations.rhs[2] / equati
 
 std::vector<NormalEquations> Equations(const TwoViews& views, const RefinedView& view) {
   const std::vector<OtherView> others{views.Other()};
-  return DataTerm(views.own, view, view.Map(), kCentre, others, false);
+  return DataTerm(views.own, view, FreePixels(view), view.Map(), kCentre, others, false);
 }
 
 TEST(DataTerm, AsksForTheWayBackToTheTruth) {
@@ -39,8 +39,8 @@ TEST(DataTerm, HowManyPixelsSpeakDoesNotChangeTheWeight) {
   const std::vector<OtherView> others{views.Other()};
   const RefinedView view = FlatView(5);
   constexpr double kBlurArea = 13;
-  const double sharp = DataTerm(views.own, view, view.Map(), kCentre, others, false)[0].h[5];
-  const double smoothed = DataTerm(views.own, view, view.Map(), kCentre, others, true)[0].h[5];
+  const double sharp = DataTerm(views.own, view, FreePixels(view), view.Map(), kCentre, others, false)[0].h[5];
+  const double smoothed = DataTerm(views.own, view, FreePixels(view), view.Map(), kCentre, others, true)[0].h[5];
   EXPECT_NEAR(smoothed * kBlurArea / sharp, 1, 0.03);
   double expected = 0;  // of all pixels at the true depth, where nothing is robust: |g|^2 / sigma^2
   const double sigma = others[0].sigma;
@@ -71,7 +71,7 @@ TEST(DataTerm, AnOtherViewThatDoesNotFitCountsLess) {
   for (Ycbcr& pixel : bad.there.values()) pixel.y = static_cast<std::uint8_t>(pixel.y + 30);
   const std::vector<OtherView> others{good.Other(), bad.Other()};
   const RefinedView view = FlatView(5.2);
-  const auto both = DataTerm(good.own, view, view.Map(), kCentre, others, false);
+  const auto both = DataTerm(good.own, view, FreePixels(view), view.Map(), kCentre, others, false);
   EXPECT_NEAR(Step(both[0]), -0.2, 0.05);
 }
 
@@ -105,7 +105,8 @@ TEST(DataTerm, EndsEarlyWhenAskedTo) {
   const RefinedView view = FlatView(5.3);
   std::stop_source stop;
   stop.request_stop();
-  const auto equations = DataTerm(views.own, view, view.Map(), kCentre, others, false, stop.get_token());
+  const auto equations =
+      DataTerm(views.own, view, FreePixels(view), view.Map(), kCentre, others, false, stop.get_token());
   EXPECT_EQ(equations[0].h[5], 0);
 }
 

@@ -38,7 +38,7 @@ struct Edge {
 
   void Choose(const std::stop_token& stop = {}) {
     const std::vector<OtherView> others{views.Other()};
-    ChoosePlanes(views.own, segments, others, nullptr, refined, stop);
+    ChoosePlanes(views.own, segments, refined.Map(), others, nullptr, refined, stop);
   }
 };
 
@@ -72,7 +72,7 @@ TEST(ChoosePlanes, APlaneSpreadsAlongARodThatOtherSegmentsMissed) {
   }
   refined.plane_of_pixel = segments;
   const std::vector<OtherView> others{views.Other()};
-  ChoosePlanes(views.own, segments, others, nullptr, refined);
+  ChoosePlanes(views.own, segments, refined.Map(), others, nullptr, refined);
   for (int y = 0; y < TwoViews::kHeight; ++y) {
     for (int x = 15; x < 30; ++x) ASSERT_EQ(refined.At(x, y), on_rod(x, kLeft) ? kNear : kFar) << x << "," << y;
   }

@@ -118,6 +118,23 @@ TEST(RefineView, TheOrderOfViewsAndTheViewsNotComparedWithChangeNothing) {
             RefineView(alone.job, 0, 1, alone.analysis, start).value());
 }
 
+TEST(RefineView, OneMemoryForAllViewsAndRoundsChangesNothing) {
+  const Scene scene;
+  ViewMemory memory;
+  FrameRefinement alone = scene.Start();
+  FrameRefinement shared = alone;
+  for (int round = 1; round <= scene.job.params.refine_rounds; ++round) {
+    alone = scene.Round(scene.analysis, alone, round);
+    FrameRefinement after;
+    for (int view = 0; view < scene.job.num_views(); ++view) {
+      after.push_back(std::make_shared<const RefinedView>(
+          RefineView(scene.job, view, round, scene.analysis, shared, memory).value()));
+    }
+    shared = after;
+    for (std::size_t v = 0; v < shared.size(); ++v) ASSERT_EQ(*shared[v], *alone[v]) << v << ", round " << round;
+  }
+}
+
 TEST(RefineView, AStillPFrameHasTheDepthOfTheIFrameToTheBit) {
   const Scene scene;
   const FrameRefinement i_frame = scene.Refined();

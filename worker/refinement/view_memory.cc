@@ -1,0 +1,24 @@
+#include "worker/refinement/view_memory.h"
+
+#include "worker/refinement/plain_regions.h"
+
+namespace depthfarm {
+
+ViewMemory::Maps ViewMemory::MapsOf(std::span<const std::shared_ptr<const RefinedView>> views) {
+  return maps_.Of(views, [](const RefinedView& view) { return view.Map(); });
+}
+
+ViewMemory::Smoothed ViewMemory::SmoothedOf(std::span<const std::shared_ptr<const ViewAnalysis>> analyses) {
+  return smoothed_.Of(analyses, [](const ViewAnalysis& analysis) {
+    SmoothedPicture smoothed{.colours = Blurred(analysis.picture), .plain = {}};
+    smoothed.plain = PlainSegments(smoothed.colours, analysis.segments);
+    return smoothed;
+  });
+}
+
+void ViewMemory::Clear() {
+  maps_.Clear();
+  smoothed_.Clear();
+}
+
+}  // namespace depthfarm
