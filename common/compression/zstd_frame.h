@@ -9,7 +9,7 @@
 
 namespace depthfarm {
 
-// Appends `content` as one zstd frame (level 3) with its size and a checksum of it.
+// Appends `content` as one zstd frame (level 1) with its size and a checksum of it.
 void AppendZstdFrame(std::string_view content, std::string& bytes);
 
 // The first `size` bytes of a frame's content, without unpacking the rest. Errors (kCorrupt): no frame, fewer bytes.
