@@ -116,31 +116,57 @@ class Sight {
   return true;
 }
 
-// rho of a pixel that appears there: 0 (its colour fits) to 1.
-[[nodiscard]] inline double MisfitAt(const Colour& own, const OtherView& other, const Seen& seen) {
-  const double t = SquaredDistance(other.colour.Between(seen.x, seen.y), VectorOf(own)) /
-                   (kChoiceKappa * kChoiceKappa * other.sigma * other.sigma);
-  return t / (1 + t);
-}
-
-// rho of a pixel at u in one other view: 0 (fits) to 1; nullopt where it is not seen.
-[[nodiscard]] inline std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y,
-                                                  double u) {
-  const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
-  if (!seen) return std::nullopt;
-  return MisfitAt(own, other, *seen);
-}
-
 inline constexpr double kInMidAir = 0.03;  // of rho
 
-// The same, but 2 rho + 0.03 (at most 1) where the other view sees through the point: between two surfaces that fit
-// alike it is not the one in mid-air.
+// How well the colours of a view's pixels fit those of one other view. Refers to all that `other` refers to.
+class ColourFit {
+ public:
+  explicit ColourFit(const OtherView& other)
+      : sight_(*other.pair, *other.map),
+        map_(other.map),
+        colour_(other.colour),
+        scale_(kChoiceKappa * kChoiceKappa * other.sigma * other.sigma) {}
+
+  // rho of a pixel that appears there: 0 (its colour fits) to 1.
+  [[nodiscard]] double MisfitAt(const Colour& own, const Seen& seen) const {
+    const double t = SquaredDistance(colour_.Between(seen.x, seen.y), VectorOf(own)) / scale_;
+    return t / (1 + t);
+  }
+
+  // rho of a pixel at u; nullopt where it is not seen.
+  [[nodiscard]] std::optional<double> Misfit(const Colour& own, double x, double y, double u) const {
+    const auto seen = sight_.Of(x, y, u);
+    if (!seen) return std::nullopt;
+    return MisfitAt(own, *seen);
+  }
+
+  // The same, but 2 rho + 0.03 (at most 1) where the other view sees through the point: between two surfaces that fit
+  // alike it is not the one in mid-air.
+  [[nodiscard]] std::optional<double> MisfitInFreeSpace(const Colour& own, double x, double y, double u) const {
+    const auto seen = sight_.Of(x, y, u);
+    if (!seen) return std::nullopt;
+    const double rho = MisfitAt(own, *seen);
+    return SeesThrough(*map_, *seen) ? std::min(1.0, 2 * rho + kInMidAir) : rho;
+  }
+
+ private:
+  Sight sight_;
+  const InverseDepthMap* map_;
+  PictureColours colour_;
+  double scale_;
+};
+
+// ColourFit of one pixel.
+[[nodiscard]] inline double MisfitAt(const Colour& own, const OtherView& other, const Seen& seen) {
+  return ColourFit(other).MisfitAt(own, seen);
+}
+[[nodiscard]] inline std::optional<double> Misfit(const Colour& own, const OtherView& other, double x, double y,
+                                                  double u) {
+  return ColourFit(other).Misfit(own, x, y, u);
+}
 [[nodiscard]] inline std::optional<double> MisfitInFreeSpace(const Colour& own, const OtherView& other, double x,
                                                              double y, double u) {
-  const auto seen = SeenIn(*other.pair, *other.map, x, y, u);
-  if (!seen) return std::nullopt;
-  const double rho = MisfitAt(own, other, *seen);
-  return SeesThrough(*other.map, *seen) ? std::min(1.0, 2 * rho + kInMidAir) : rho;
+  return ColourFit(other).MisfitInFreeSpace(own, x, y, u);
 }
 
 }  // namespace depthfarm

@@ -17,10 +17,10 @@ constexpr std::size_t kColumns = 128;
 
 }  // namespace
 
-PatchCost::PatchCost(const YcbcrImage& own, std::span<const OtherView> others)
-    : own_(own),
-      others_(others.first(std::min<std::size_t>(others.size(), kMostCompared))),
-      recent_(kRows * kColumns) {}
+PatchCost::PatchCost(const YcbcrImage& own, std::span<const OtherView> others) : own_(own), recent_(kRows * kColumns) {
+  for (const OtherView& other : others.first(std::min<std::size_t>(others.size(), kMostCompared)))
+    others_.emplace_back(other);
+}
 
 const PatchCost::Misfits& PatchCost::MisfitsAt(int x, int y, const SlantedPlane& plane) {
   Misfits& misfits = recent_[static_cast<std::size_t>(y) % kRows * kColumns + static_cast<std::size_t>(x) % kColumns];
@@ -31,7 +31,7 @@ const PatchCost::Misfits& PatchCost::MisfitsAt(int x, int y, const SlantedPlane&
   const double u = plane.At(x, y);
   const Colour own = ColourOf(own_(x, y));
   for (std::size_t i = 0; i < others_.size(); ++i)
-    misfits.rho[i] = MisfitInFreeSpace(own, others_[i], x, y, u).value_or(kNotSeen);
+    misfits.rho[i] = others_[i].MisfitInFreeSpace(own, x, y, u).value_or(kNotSeen);
   return misfits;
 }
 

@@ -33,7 +33,7 @@ class PatchCost {
   [[nodiscard]] const Misfits& MisfitsAt(int x, int y, const SlantedPlane& plane);
 
   const YcbcrImage& own_;
-  std::span<const OtherView> others_;
+  std::vector<ColourFit> others_;
   std::vector<Misfits> recent_;  // kRows x kColumns, each pixel where its position modulo these says
   std::uint32_t turn_ = 0;       // counts changes of plane
   PlaneIndex current_ = 0;
