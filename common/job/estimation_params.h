@@ -69,7 +69,7 @@ struct EstimationParams {
 };
 
 // "default"; "paper" (the published method: 250 levels, n = 1, no refinement); "best" (more choice of pixels: thin
-// objects and edges, a third more CPU); "fast" (fewer and larger of everything, a fifth less): docs/results.md,
+// objects and edges, 30 % more CPU); "fast" (fewer and larger of everything, a quarter less): docs/results.md,
 // Presets. kInvalidArgument lists the names.
 [[nodiscard]] Result<EstimationParams> Preset(const std::string& name);
 

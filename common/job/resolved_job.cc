@@ -16,11 +16,13 @@ constexpr int kMaxAutoLevels = 250;
 constexpr double kLevelPixels = 1;          // refinement finds what lies between levels a pixel apart, unless
 constexpr double kFewestSteps = 24;         // there are so few that they can as well be finer,
 constexpr double kFinalLevelPixels = 0.25;  // as they must be without it
-// Segments x levels of all views. With the full search, below kSmallProblem splitting costs more than it saves; the
-// sparse one is cheapest in one part, and is split for its memory alone, about 10 bytes each.
+// Segments x levels of all views. With the full search, below kSmallProblem splitting costs more than it saves.
 constexpr long long kSmallProblem = 2'000'000;
 constexpr long long kLargeProblem = 20'000'000;
-constexpr long long kMostOfSparsePart = 40'000'000;
+// The sparse search is cheapest in one part, and is split for its memory alone: 4 bytes of beliefs for each of them,
+// and 8 for each match that has a reward.
+constexpr long long kMostBytesOfPart = 320'000'000;
+constexpr long long kMostParts = 4096;
 
 // Of planes that are refined fewer are enough where pictures are large (docs/results.md, Segments of large pictures).
 int AutoSegments(int pixels, int pixels_of_one, bool refined) {
@@ -117,8 +119,12 @@ void ResolveBlocks(ResolvedJob& job) {
   long long entries = 0;
   for (const JobView& view : job.views) entries += static_cast<long long>(view.segments) * job.params.levels;
   if (job.params.search == Search::kSparse) {
-    const long long parts = (entries + kMostOfSparsePart - 1) / kMostOfSparsePart;
-    job.level_blocks_i = static_cast<int>(std::clamp<long long>(parts, 1, std::max(1, job.params.levels / 8)));
+    std::size_t matches = 0;
+    for (const JobView& view : job.views) matches = std::max(matches, view.neighbours.size());
+    const long long of_matches = 8 * static_cast<long long>(matches) / (job.params.uniqueness > 0 ? 4 : 1);
+    const long long parts = (entries * (4 + of_matches) + kMostBytesOfPart - 1) / kMostBytesOfPart;
+    const long long most = std::clamp<long long>(job.params.levels / 8, 1, kMostParts);
+    job.level_blocks_i = static_cast<int>(std::clamp<long long>(parts, 1, most));
     job.level_blocks_p = (job.level_blocks_i + 1) / 2;
     job.params.level_blocks = job.level_blocks_i;
     return;

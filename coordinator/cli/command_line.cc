@@ -37,7 +37,7 @@ constexpr auto kMediaCommands = std::to_array<MediaCommand>({
 void AddEstimationOptions(CLI::App& app, EstimationArguments& estimation) {
   const char* group = "Estimation options";
   app.add_option("--preset", estimation.preset,
-                 "Values to start from: default; best (thin objects and edges, a third more CPU); fast (a quarter less); "
+                 "Values to start from: default; best (thin objects and edges, 30 % more CPU); fast (a quarter less); "
                  "paper (the published method: 250 levels, n = 1, no refinement)")
       ->type_name("default|best|fast|paper")
       ->group(group);

@@ -28,7 +28,7 @@ struct JobRequest {
 // That depth may be written below `output_dir`: it is not there yet, or a folder that holds no depth but ours.
 [[nodiscard]] Status CheckOutputFolder(const std::string& output_dir);
 
-// One line: "5 views 1024x768, 196,608 segments, 250 levels, n = 8 interleaved, frames 0 to 49".
+// One line: "5 views 1024x768, 196,608 segments, 250 levels, n = 2 interleaved, frames 0 to 49".
 [[nodiscard]] std::string DescribeJob(const ResolvedJob& job);
 
 }  // namespace depthfarm

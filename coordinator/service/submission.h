@@ -13,7 +13,7 @@ namespace depthfarm {
 // Errors: kInvalidArgument with what the submitter must change.
 [[nodiscard]] Result<PlannedJob> PlanSubmission(const v1::SubmitJob& request, JobId id);
 
-// "5 views 1024x768, 50,016 segments, 250 levels, n = 8 interleaved"; "1,200 virtual views, 1024x768".
+// "5 views 1024x768, 50,016 segments, 250 levels, n = 2 interleaved"; "1,200 virtual views, 1024x768".
 [[nodiscard]] std::string Summary(const PlannedJob& planned);
 
 }  // namespace depthfarm

@@ -45,7 +45,7 @@ struct PixelLabelling {
 // Winner takes all: each pixel's level of least cost, the farthest of equals.
 [[nodiscard]] std::vector<Level> CheapestLevels(const PixelLabelling& problem);
 
-// Alpha-expansion with the core's MaxFlow and in the core's order (ExpandToConvergence): sweeps over the levels up and
+// Alpha-expansion with the core's MaxFlow and in the core's order (SearchFully): sweeps over the levels up and
 // down in turn, at most `sweeps` (0: until no move lowers E); of equal labellings the one that changes fewest pixels.
 // Returns E, never more than that of the labels it was given.
 std::int64_t ExpandPixels(const PixelLabelling& problem, int sweeps, std::vector<Level>& labels);

@@ -13,8 +13,6 @@
 #include "worker/segmentation/seed_grid.h"
 
 namespace depthfarm {
-namespace {}  // namespace
-
 FrameProblem::FrameProblem(const ResolvedJob& job, const FrameAnalysis& analysis, std::shared_ptr<RewardFloors> floors)
     : job_(job),
       analysis_(analysis),

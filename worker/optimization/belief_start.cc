@@ -102,7 +102,8 @@ class Beliefs {
     if (before == nullptr) {
       std::copy(own, own + levels_, path_.begin());
     } else {
-      const int step = Scaled(std::max(1, beta / kEnergyUnitsPerMatchStep)) + (shift_ > 0 ? 1 : 0);
+      const int scaled = (std::max(1, beta / kEnergyUnitsPerMatchStep) >> shift_) + (shift_ > 0 ? 1 : 0);
+      const int step = std::min(scaled, kMostPathCost);
       if (IsFree(*before)) {
         Spread(step);
       } else {

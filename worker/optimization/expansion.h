@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stop_token>
 #include <vector>
 
 #include "worker/optimization/labelling_problem.h"

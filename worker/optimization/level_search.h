@@ -24,9 +24,9 @@ struct SearchSummary {
                                         const std::stop_token& stop);
 
 // A fraction of the work, from a good start (worker/optimization/belief_start.h): every free node may move to each k-th
-// level, k at most 4 and such that there are about 16 of them (of at most 32 levels: to all); then, downwards, to
-// levels at most three from its own or a linked node's; then, upwards, to a linked node's. Each move is exact on the
-// nodes that it moves, so the energy never rises.
+// level (k = 4; of 33 to 63 levels 2 or 3, of at most 32 levels 1); then, downwards, to levels at most three from its own
+// or a linked node's; then, upwards, to a linked node's. Each move is exact on the nodes that it moves, so the energy
+// never rises.
 [[nodiscard]] SearchSummary SearchSparsely(const LabellingProblem& problem, std::vector<Level>& labels,
                                            const std::stop_token& stop);
 

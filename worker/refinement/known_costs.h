@@ -12,7 +12,7 @@ namespace depthfarm {
 
 // What planes cost at pixels (PatchCost::At), kept from pass to pass of the choice: there it does not change, and most
 // candidates of a pass are those of the pass before. Memory: 4 bytes for each pixel of the picture and 24 for each
-// cost.
+// cost: at most 5 candidates in 40 passes, in fact about 5 to 10 for each pixel near a jump.
 class KnownCosts {
  public:
   using Entry = std::uint32_t;  // 0 .. size() - 1, in the order in which they were asked for

@@ -262,7 +262,9 @@ void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, con
   KnownCosts known(own.width(), own.height());  // of all passes: planes and maps stay, only who has which plane changes
   const Chooser chooser(own, segments, prior, known);
   Grid<std::uint8_t> open = JumpBand(map);
-  const auto band = static_cast<std::size_t>(std::count(open.values().begin(), open.values().end(), 1));
+  // Reserved for what is usual: where all of a picture is near jumps, lists grow as they must.
+  const auto marked = static_cast<std::size_t>(std::count(open.values().begin(), open.values().end(), 1));
+  const std::size_t band = std::min(marked, open.size() / 4);
   Choices choices;
   choices.all.reserve(band);
   choices.candidates.reserve(kUsualCandidates * band);

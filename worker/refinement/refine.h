@@ -34,7 +34,7 @@ struct RefinementReferences {
                                                   const ViewLabels& labels, const RefinementReferences* references);
 
 // Round `round` (1 .. params.refine_rounds) of a view: Gauss-Newton on the colour differences against the views it is
-// compared with (JobView::compared), one slanted plane per segment; the first round on smoothed pictures, after
+// compared with (JobView::compared), one slanted plane per segment; the first round on smoothed pictures (unless pixels choose in it), after
 // surfaces without texture have been decided as a whole, the last params.choice_rounds on sharp ones and also with
 // agreement with the depth of those views and a choice of plane for each pixel at depth jumps. `analysis` and `before`
 // (each view after the round before) are read for the view and those it is compared with; the others may be null. So

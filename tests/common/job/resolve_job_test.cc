@@ -287,6 +287,7 @@ TEST(ResolveJobBlocks, SmallProblemsAreNotSplit) {
 
 struct Blocks {
   Search search;
+  int uniqueness;
   int segments;
   int levels;
   int of_i_frames;
@@ -295,19 +296,21 @@ struct Blocks {
 
 TEST(ResolveJobBlocks, FollowTheSizeOfTheProblem) {
   const Blocks cases[] = {
-      {Search::kFull, 10000, 66, 1, 1},     // 3 views: 1.98 million entries
-      {Search::kFull, 10000, 67, 8, 1},     // 2.01
-      {Search::kFull, 70000, 95, 8, 1},     // 19.95
-      {Search::kFull, 70000, 96, 8, 2},     // 20.16
-      {Search::kFull, 50000, 16, 2, 1},     // 2.4, of few levels: 8 a block
-      {Search::kFull, 70000, 10, 1, 1},     // 2.1
-      {Search::kSparse, 70000, 190, 1, 1},  // 39.9
-      {Search::kSparse, 70000, 191, 2, 1},  // 40.1
-      {Search::kSparse, 76800, 520, 3, 2},  // 119.8
+      {Search::kFull, 75, 10000, 66, 1, 1},     // 3 views: 1.98 million entries
+      {Search::kFull, 75, 10000, 67, 8, 1},     // 2.01
+      {Search::kFull, 75, 70000, 95, 8, 1},     // 19.95
+      {Search::kFull, 75, 70000, 96, 8, 2},     // 20.16
+      {Search::kFull, 75, 50000, 16, 2, 1},     // 2.4, of few levels: 8 a block
+      {Search::kFull, 75, 70000, 10, 1, 1},     // 2.1
+      {Search::kSparse, 75, 70000, 190, 1, 1},  // 39.9
+      {Search::kSparse, 75, 70000, 191, 2, 1},  // 40.1
+      {Search::kSparse, 0, 70000, 191, 3, 2},   // every match is kept
+      {Search::kSparse, 75, 76800, 520, 3, 2},  // 119.8
   };
   for (const Blocks& blocks : cases) {
     EstimationParams params;
     params.search = blocks.search;
+    params.uniqueness = blocks.uniqueness;
     params.segments = blocks.segments;
     params.levels = blocks.levels;
     const ResolvedJob job = Resolved(LineSequence({0, 0.1, 0.2}), params);

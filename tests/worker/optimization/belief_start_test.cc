@@ -138,23 +138,47 @@ TEST(BeliefStart, IsThatOfItsDefinition) {
   }
 }
 
-// Four neighbours and K = 765 are the largest rewards there are; what is certain lies as far as levels go.
+// K = 765 gives the largest rewards there are, here of 16 neighbours, and then links as strong with small rewards; what
+// is certain lies as far as levels go.
 TEST(BeliefStart, TheLargestRewardsAndDistancesFit) {
-  LabellingProblem problem;
-  problem.num_nodes = 4;
-  problem.levels = {0, 65533};
-  problem.matches_per_node = 16;
-  problem.fixed = {0, 0, 0, 1};
-  for (NodeIndex node = 0; node < 4; ++node) {
-    for (int slot = 0; slot < 16; ++slot) problem.matches.Add(node == 1 ? 0 : 1, (node + 1) % 3, 6885);
-    problem.matches.EndNode();
+  for (const std::uint16_t reward : {std::uint16_t{6885}, std::uint16_t{60}}) {
+    LabellingProblem problem;
+    problem.num_nodes = 4;
+    problem.levels = {0, 65533};
+    problem.matches_per_node = 16;
+    problem.fixed = {0, 0, 0, 1};
+    for (NodeIndex node = 0; node < 4; ++node) {
+      for (int slot = 0; slot < 16; ++slot) problem.matches.Add(node == 1 ? 0 : 1, (node + 1) % 3, reward);
+      problem.matches.EndNode();
+    }
+    SegmentGrid grid{.first = 0, .columns = 4, .rows = 1, .beta_right = {}, .beta_down = {}};
+    grid.beta_right.assign(4, 1 << 24);
+    grid.beta_down.assign(4, 1 << 24);
+    std::vector<Level> labels = {0, 0, 0, 65533};
+    BeliefStart(problem, {grid}, 4, labels, {});
+    EXPECT_EQ(labels, (std::vector<Level>{65533, 65533, 65533, 65533})) << reward;
   }
-  SegmentGrid grid{.first = 0, .columns = 4, .rows = 1, .beta_right = {}, .beta_down = {}};
-  grid.beta_right.assign(4, 1 << 24);
-  grid.beta_down.assign(4, 1 << 24);
-  std::vector<Level> labels = {0, 0, 0, 65533};
-  BeliefStart(problem, {grid}, 4, labels, {});
-  EXPECT_EQ(labels, (std::vector<Level>{65533, 65533, 65533, 65533}));
+}
+
+// Of beta in 16 bits nothing, or a negative number, would be left.
+TEST(BeliefStart, AStrongLinkIsNeverAWeakOne) {
+  for (const std::int32_t beta : {1 << 22, 1 << 23, 112050 * kEnergyUnitsPerMatchStep, 1 << 24}) {
+    LabellingProblem problem;
+    problem.num_nodes = 6;
+    problem.levels = {0, 1, 2};
+    problem.matches_per_node = 1;
+    problem.fixed.assign(6, 0);
+    for (NodeIndex node = 0; node < 6; ++node) {
+      problem.matches.Add(node == 3 ? 2 : 1, (node + 1) % 6, 270);
+      problem.matches.EndNode();
+    }
+    SegmentGrid grid{.first = 0, .columns = 6, .rows = 1, .beta_right = {}, .beta_down = {}};
+    grid.beta_right.assign(6, beta);
+    grid.beta_down.assign(6, beta);
+    std::vector<Level> labels(6, 0);
+    BeliefStart(problem, {grid}, 1, labels, {});
+    EXPECT_EQ(labels, std::vector<Level>(6, 1)) << beta;
+  }
 }
 
 TEST(BeliefStart, LeavesLabelsAloneWhenCancelled) {

@@ -4,6 +4,7 @@
 
 #include "tests/support/cut_oracle.h"
 #include "tests/support/random_problem.h"
+#include "worker/optimization/expansion.h"
 
 namespace depthfarm {
 namespace {
@@ -32,6 +33,33 @@ TEST(SearchFully, IsCancelledByItsStopToken) {
   std::stop_source stop;
   stop.request_stop();
   EXPECT_TRUE(SearchFully(p.problem, p.labels, 0, stop.get_token()).cancelled);
+}
+
+// The order that the header states, written out.
+TEST(SearchSparsely, TriesLevelsInItsOrder) {
+  struct Stride {
+    int levels;
+    std::size_t stride;
+  };
+  for (const Stride& expected :
+       {Stride{2, 1}, Stride{32, 1}, Stride{33, 2}, Stride{50, 3}, Stride{64, 4}, Stride{150, 4}}) {
+    SCOPED_TRACE(expected.levels);
+    Random random(static_cast<std::uint64_t>(expected.levels));
+    const RandomProblem p = MakeRandomProblem(random, 40, 3, expected.levels, 10);
+    std::vector<Level> plain = p.labels;
+    Expansion expansion(p.problem, plain);
+    const std::size_t levels = p.problem.levels.size();
+    std::int64_t moves = 0;
+    for (std::size_t l = expected.stride / 2; l < levels; l += expected.stride)
+      moves += expansion.Expand(l) < 0 ? 1 : 0;
+    for (std::size_t l = levels; l-- > 0;) moves += expansion.ExpandNear(l, 3) < 0 ? 1 : 0;
+    for (std::size_t l = 0; l < levels; ++l) moves += expansion.ExpandNear(l, 0) < 0 ? 1 : 0;
+    std::vector<Level> labels = p.labels;
+    const SearchSummary summary = SearchSparsely(p.problem, labels, {});
+    EXPECT_EQ(labels, plain);
+    EXPECT_EQ(summary.moves, moves);
+    EXPECT_GT(moves, 0);
+  }
 }
 
 TEST(SearchSparsely, NeverRaisesTheEnergyAndTracksIt) {
