@@ -55,7 +55,8 @@ struct ResolvedJob {
 //   levels     at most 250, such that one is about a pixel at the median nearest neighbour and at most two at the
 //              widest baseline used; without refinement, or with fewer than 25 levels, down to a quarter of that;
 //   n          as many parts as keep the sparse search's memory near 320 MB each (I frames), and half as many for P
-//              frames; with the full search 1 for small problems, else up to 8 (I frames; side by side) or 2 (P frames).
+//              frames; with the full search 1 for small problems, else up to 8 (I frames; side by side) or 2 (P
+//              frames).
 // Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that
 // cannot see the levels, has no neighbour or is too small for refinement, no depth range, frames outside the sequence,
 // more blocks than levels.

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
 #include <functional>
 
 #include "common/job/estimation_params.h"
+#include "common/text/text_table.h"
 #include "coordinator/cli/report.h"
-#include "coordinator/cli/text_table.h"
 
 namespace depthfarm {
 namespace {
@@ -60,13 +58,6 @@ double MedianWall(const BenchedPreset& preset) {
 }
 double MedianMemory(const BenchedPreset& preset) {
   return Median(preset, [](const BenchRun& run) { return static_cast<double>(run.PeakMemoryBytes()); });
-}
-
-std::string Decimal(double value, int digits) {
-  if (std::isnan(value)) return "-";
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
 }
 
 std::size_t NumRuns(const BenchReport& report) { return report.presets.front().runs.size(); }

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <span>
 
+#include "common/text/text_table.h"
 #include "common/wire/envelope.h"
 #include "common/wire/task_wire.h"
-#include "coordinator/cli/text_table.h"
 
 namespace depthfarm {
 namespace {

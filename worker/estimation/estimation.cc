@@ -42,6 +42,7 @@ void AdoptDepth(const ResolvedJob& job, const FrameAnalysis& analysis, const Tem
   }
 }
 
+// From nothing to labels, as the job says.
 SearchSummary SearchLevels(const EstimationParams& params, const FrameProblem& frame, const LabellingProblem& problem,
                            std::vector<Level>& labels, const std::stop_token& stop) {
   if (params.search == Search::kFull) {

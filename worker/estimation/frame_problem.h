@@ -30,7 +30,8 @@ class FrameProblem {
   [[nodiscard]] NodeIndex offset(int view_index) const { return offsets_[static_cast<std::size_t>(view_index)]; }
   [[nodiscard]] const std::vector<SmoothnessLink>& smoothness() const { return smoothness_; }
   [[nodiscard]] int matches_per_node() const { return matches_per_node_; }
-  // Each view's segments as the grid of their seeds.
+  // Each view's segments as the grid of their seeds; as one row where there are not as many as the job's seeds, so that
+  // only the start of the search suffers.
   [[nodiscard]] std::vector<SegmentGrid> Grids() const;
 
   // The matches of every node on every level of `levels`; of a node that is fixed (per node: not 0) only those with

@@ -20,10 +20,10 @@
 #include "common/scene/zone.h"
 #include "common/sequence/frame_name.h"
 #include "common/synthesis/synthesize_view.h"
+#include "common/text/text_table.h"
 #include "worker/media_cli/evaluate_rates.h"
 #include "worker/media_cli/evaluate_report.h"
 #include "worker/media_cli/evaluate_targets.h"
-#include "worker/media_cli/text_table.h"
 #include "worker/rendering/sequence_with_depth.h"
 
 namespace depthfarm {

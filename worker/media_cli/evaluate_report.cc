@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "worker/media_cli/text_table.h"
+#include "common/text/text_table.h"
 
 namespace depthfarm {
 namespace {

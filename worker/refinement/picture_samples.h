@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "common/base/double_pair.h"
 #include "common/image/colour.h"
 #include "common/image/grid.h"
 #include "common/image/picture.h"
@@ -82,9 +83,6 @@ struct TwoColours {
 }
 
 }  // namespace picture_samples_internal
-
-// Two numbers in one register: a position (x, y), or a way.
-using DoublePair = double __attribute__((vector_size(16)));
 
 // The whole part of numbers that are not negative.
 using IntPair = std::int32_t __attribute__((vector_size(8)));

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/base/double_pair.h"
 #include "common/image/picture.h"
 
 namespace depthfarm {
@@ -38,9 +39,6 @@ struct PixelStep {
 };
 inline constexpr std::array<PixelStep, kNeighbours> kNeighbourSteps = {
     {{-1, -1}, {0, -1}, {1, -1}, {-1, 0}, {1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
-
-// GCC's and Clang's vector types: two divisions or two pixels at once, each lane rounded as a double by itself.
-using DoublePair = double __attribute__((vector_size(16)));
 
 // Distances (see SegmentSnic) of the neighbours of pixel (x, y), of the given colours, from the mean of `cluster`,
 // which has pixels. In this order of operations, whatever is done side by side:
