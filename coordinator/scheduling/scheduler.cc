@@ -239,8 +239,7 @@ std::optional<JobId> Scheduler::JobWritingTo(const std::string& output_dir) cons
 }
 
 bool Scheduler::empty() const {
-  return jobs_.empty() && order_.empty() && workers_.workers().empty() && workers_.leases().empty() &&
-         directory_.empty();
+  return jobs_.empty() && workers_.workers().empty() && workers_.leases().empty() && directory_.empty();
 }
 
 std::vector<WorkerSnapshot> Scheduler::Workers() const {

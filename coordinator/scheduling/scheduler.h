@@ -61,6 +61,7 @@ class Scheduler {
   struct JobRecord {
     std::string name;
     int priority = 0;
+    std::uint64_t last_grant = 0;  // number of its newest lease
     TimePoint submitted;
     std::unique_ptr<JobProgress> progress;
     JobState ending = JobState::kRunning;  // what it will be when leases and Cleanup are over
@@ -99,6 +100,8 @@ class Scheduler {
   void AdvanceEndings();
   void OpenGops();
   void Assign();
+  // All jobs, next to be served first.
+  [[nodiscard]] std::vector<JobId> JobsInFairOrder() const;
   [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
   void EndJob(JobId id, JobState state);
@@ -117,7 +120,6 @@ class Scheduler {
   ArtifactDirectory directory_;
   WorkerTable workers_;
   std::map<JobId, JobRecord> jobs_;
-  std::map<std::pair<int, JobId>, JobId> order_;  // (-priority, id): ids grow with submission
   std::uint64_t late_results_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "coordinator/scheduling/fair_share.h"
 #include "coordinator/scheduling/placement.h"
 #include "coordinator/scheduling/scheduler.h"
 
@@ -24,7 +25,6 @@ void Scheduler::On(const JobSubmitted& event) {
   job.priority = event.priority;
   job.submitted = now_;
   job.progress = std::make_unique<JobProgress>(event.job, directory_, options_.max_setbacks);
-  order_.emplace(std::pair(-event.priority, id), id);
   AddNote(Note::Severity::kInfo, "job_submitted",
           {{"job", std::to_string(id.value())},
            {"name", event.name},
@@ -129,10 +129,7 @@ void Scheduler::ReleaseArtifactsOf(JobRecord& job) {
   for (auto& [worker, keys] : by_worker) actions_.emplace_back(Release{worker, std::move(keys)});
 }
 
-bool Scheduler::HasLeases(JobId id) const {
-  return std::any_of(workers_.leases().begin(), workers_.leases().end(),
-                     [&](const auto& entry) { return entry.second.task.job == id; });
-}
+bool Scheduler::HasLeases(JobId id) const { return workers_.LeasesOf(id) > 0; }
 
 void Scheduler::AdvanceEndings() {
   std::vector<JobId> over;
@@ -156,14 +153,18 @@ void Scheduler::AdvanceEndings() {
 void Scheduler::OpenGops() {
   const std::size_t wanted =
       std::max<std::size_t>(1, workers_.workers().size() * static_cast<std::size_t>(options_.ready_per_worker));
+  std::map<int, std::size_t> jobs_of_priority;
+  for (const auto& [id, job] : jobs_) ++jobs_of_priority[job.priority];
   std::size_t ready = 0;
-  for (const auto& [rank, id] : order_) {
-    JobProgress& progress = *jobs_.at(id).progress;
-    while (ready + progress.table().ready().size() < wanted && progress.HasUnopenedGop() &&
+  for (const JobId id : JobsInFairOrder()) {
+    const JobRecord& job = jobs_.at(id);
+    JobProgress& progress = *job.progress;
+    const std::size_t share = ReadyShare(wanted, jobs_of_priority.at(job.priority));
+    while (progress.table().ready().size() < share && progress.HasUnopenedGop() &&
            progress.num_open_gops() < options_.max_open_gops) {
       progress.OpenNextGop();
     }
-    ready += progress.table().ready().size();
+    ready += std::min(share, progress.table().ready().size());
     if (ready >= wanted) return;
   }
 }
@@ -183,10 +184,21 @@ std::vector<WorkerId> Scheduler::FreeWorkers() const {
 
 void Scheduler::Assign() {
   std::vector<WorkerId> free_workers = FreeWorkers();
-  for (const auto& [rank, id] : order_) {
-    while (!free_workers.empty() && AssignOneOf(jobs_.at(id), free_workers)) {
+  bool assigned = true;
+  while (assigned && !free_workers.empty()) {
+    assigned = false;
+    for (const JobId id : JobsInFairOrder()) {
+      assigned = AssignOneOf(jobs_.at(id), free_workers);
+      if (assigned) break;
     }
   }
+}
+
+std::vector<JobId> Scheduler::JobsInFairOrder() const {
+  std::vector<JobShare> shares;
+  shares.reserve(jobs_.size());
+  for (const auto& [id, job] : jobs_) shares.push_back({id, job.priority, workers_.LeasesOf(id), job.last_grant});
+  return FairOrder(std::move(shares));
 }
 
 bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers) {
@@ -222,6 +234,7 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
   std::optional<GrantedTask> task = job.progress->Take(placement.task, lease_id);
   if (!task) return;  // its inputs are gone, or its artifact is there already
   ++next_lease_;
+  job.last_grant = lease_id.value();
   Worker& worker = *workers_.Find(placement.worker);
   Lease& lease = workers_.AddLease(lease_id, placement.task, worker.id, now_ + options_.lease);
   for (std::size_t i = 0; i < task->spec.inputs.size(); ++i) {
@@ -256,7 +269,6 @@ void Scheduler::EndJob(JobId id, JobState state) {
   JobSnapshot snapshot = Snapshot(id, job);
   snapshot.state = state;
   snapshot.ended = now_;
-  order_.erase({-job.priority, id});
   jobs_.erase(id);
   actions_.emplace_back(JobEnded{std::move(snapshot)});
 }

@@ -28,6 +28,7 @@ void WorkerTable::Remove(WorkerId id) { workers_.erase(id); }
 
 Lease& WorkerTable::AddLease(LeaseId id, const TaskId& task, WorkerId worker, TimePoint expires) {
   workers_[worker].leases.insert(id);
+  ++leases_of_[task.job];
   return leases_[id] = Lease{task, worker, expires, {}, false};
 }
 
@@ -40,7 +41,14 @@ void WorkerTable::EndLease(LeaseId id) {
   const auto lease = leases_.find(id);
   if (lease == leases_.end()) return;
   if (Worker* worker = Find(lease->second.worker)) worker->leases.erase(id);
+  const auto count = leases_of_.find(lease->second.task.job);
+  if (--count->second == 0) leases_of_.erase(count);
   leases_.erase(lease);
+}
+
+int WorkerTable::LeasesOf(JobId job) const {
+  const auto count = leases_of_.find(job);
+  return count == leases_of_.end() ? 0 : count->second;
 }
 
 bool WorkerTable::IsFree(const Worker& worker, TimePoint now, Milliseconds max_age) const {

@@ -51,6 +51,8 @@ class WorkerTable {
   Lease& AddLease(LeaseId id, const TaskId& task, WorkerId worker, TimePoint expires);
   [[nodiscard]] Lease* FindLease(LeaseId id);
   void EndLease(LeaseId id);
+  // How many leases of the job there are, with those that were revoked and did not end yet.
+  [[nodiscard]] int LeasesOf(JobId job) const;
 
   // True if a task can be granted to it: it asked less than `max_age` ago and all its leases are revoked ones.
   [[nodiscard]] bool IsFree(const Worker& worker, TimePoint now, Milliseconds max_age) const;
@@ -62,6 +64,7 @@ class WorkerTable {
  private:
   std::map<WorkerId, Worker> workers_;
   std::map<LeaseId, Lease> leases_;
+  std::map<JobId, int> leases_of_;  // jobs with any
 };
 
 }  // namespace depthfarm

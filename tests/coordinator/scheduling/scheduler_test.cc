@@ -431,6 +431,32 @@ TEST(Scheduler, ATaskThatBecomesReadyGoesToAWaitingWorker) {
   EXPECT_EQ(farm.Running(worker).task.spec.id.kind, TaskKind::kPrepare);
 }
 
+TEST(Scheduler, ASmallJobBehindHugeOnesStartsWithTheNextFreeWorker) {
+  FakeFarm farm;
+  for (std::uint64_t id = 1; id <= 5; ++id) farm.Submit(MakePlannedJob({.id = id, .frames = 1000, .gop = 1}));
+  const std::vector<WorkerId> workers = {farm.JoinAndAsk(), farm.JoinAndAsk(), farm.JoinAndAsk()};
+  for (int i = 0; i < 20; ++i) {
+    for (const WorkerId worker : workers) farm.Finish(worker);
+  }
+  farm.Submit(MakePlannedJob({.id = 9, .frames = 1}));
+  farm.Finish(workers[1]);
+  EXPECT_EQ(farm.Running(workers[1]).task.spec.id.job, JobId(9));
+}
+
+TEST(Scheduler, JobsOfOnePriorityGoOnAtOnePace) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.id = 1, .frames = 50, .gop = 5, .views = 8}));
+  farm.Submit(MakePlannedJob({.id = 2, .frames = 50, .gop = 5, .views = 8}));
+  farm.Submit(MakePlannedJob({.id = 3, .frames = 50, .gop = 5, .views = 8}));
+  const std::vector<WorkerId> workers = {farm.JoinAndAsk(), farm.JoinAndAsk(), farm.JoinAndAsk(), farm.JoinAndAsk()};
+  for (int i = 0; i < 60; ++i) {
+    for (const WorkerId worker : workers) farm.Finish(worker);
+  }
+  std::map<JobId, int> granted;
+  for (const Grant& grant : farm.grants) ++granted[grant.task.spec.id.job];
+  for (const auto& [job, count] : granted) EXPECT_NEAR(count, 80, 12) << job.value();
+}
+
 TEST(Scheduler, PriorityComesFirstThenSubmission) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.id = 1}), 0);
