@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/log/log.h"
+#include "common/wire/bounds.h"
 #include "worker/service/worker_service.h"
 
 namespace depthfarm {
@@ -135,6 +136,12 @@ int main(int argc, char** argv) {
   app.add_option("--memory", options.memory_bytes, "bound of the decoded artifacts kept in memory, e.g. 4GB")
       ->transform(CLI::AsSizeValue(false))
       ->default_str("2GB");
+  app.add_option("--slots", options.slots, "tasks computed at a time, one thread each; they share cache and memory")
+      ->check(CLI::Range(1, kMaxWorkerSlots))
+      ->capture_default_str();
+  app.add_option("--ahead", options.ahead, "tasks taken besides, whose inputs are fetched meanwhile")
+      ->check(CLI::Range(0, kMaxWorkerSlots))
+      ->capture_default_str();
   app.add_option("--name", options.name, "name on the farm; default: host:process:random");
   app.add_option("--artifact-listen", options.artifact_listen,
                  "endpoint for other workers; default: beside the coordinator's ipc socket, else a free tcp port");

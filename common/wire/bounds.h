@@ -16,6 +16,7 @@ inline constexpr int kMaxFrames = 10'000'000;
 inline constexpr int kMaxInputs = 4 * kMaxViews;
 inline constexpr int kMaxPathBytes = 4096;
 inline constexpr int kMaxNameBytes = 200;
+inline constexpr int kMaxWorkerSlots = 1024;  // and tasks taken ahead
 inline constexpr int kMaxLocations = 64;
 inline constexpr std::uint64_t kMaxArtifactBytes = std::uint64_t{1} << 36;
 

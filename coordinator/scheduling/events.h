@@ -37,10 +37,14 @@ struct WorkerJoined {
   std::string name;
   std::vector<ArtifactInfo> artifacts;
   std::vector<LeaseId> running;
+  int slots = 1;  // tasks that it computes at a time
+  int ahead = 0;  // tasks that it takes besides, to fetch their inputs meanwhile
 };
+// It has room for one more task.
 struct WorkerAsked {
   WorkerId worker;
   std::uint64_t ask_id = 0;
+  std::vector<LeaseId> running;  // with those that were revoked and are not over yet
 };
 struct WorkerHeard {
   WorkerId worker;

@@ -47,7 +47,7 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
 }
 
 void Scheduler::On(const WorkerJoined& event) {
-  Worker& worker = workers_.Join(event.worker, event.name, now_);
+  Worker& worker = workers_.Join(event, now_);
   AddNote(
       Note::Severity::kInfo, "worker_joined",
       {{"worker", Number(event.worker.value())}, {"name", event.name}, {"artifacts", Number(event.artifacts.size())}});
@@ -92,7 +92,7 @@ void Scheduler::On(const WorkerAsked& event) {
   if (worker == nullptr) return;
   worker->last_heard = now_;
   worker->ask = Worker::Ask{event.ask_id, now_};
-  EndRevokedLeases(*worker, {});  // its slot is free
+  EndRevokedLeases(*worker, event.running);
 }
 
 void Scheduler::On(const WorkerHeard& event) {
@@ -182,6 +182,7 @@ void Scheduler::On(const WorkerLeft& event) {
 void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
   const WorkerId id = worker.id;
   const std::string name = worker.name;
+  const int slots = worker.slots;
   std::vector<std::pair<LeaseId, Lease>> ended;
   for (const LeaseId lease : worker.leases) ended.emplace_back(lease, *workers_.FindLease(lease));
   for (const auto& [lease_id, lease] : ended) workers_.EndLease(lease_id);
@@ -190,10 +191,14 @@ void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
           lost == nullptr ? "worker_left" : "worker_lost", {{"worker", Number(id.value())}, {"name", name}});
   if (lost != nullptr) actions_.emplace_back(WorkerLost{id, name});
   LoseArtifacts(directory_.RemoveWorker(id));
+  // A worker begins its tasks in the order of their leases: those behind its slots can't be what killed it.
+  int computing = 0;
   for (const auto& [lease_id, lease] : ended) {
     JobRecord* job = FindJob(lease.task.job);
+    const bool begun = computing < slots;
+    computing += lease.revoked ? 0 : 1;
     if (lease.revoked || job == nullptr) continue;
-    if (lost == nullptr) {
+    if (lost == nullptr || !begun) {
       job->progress->PutBack(lease.task);
     } else {
       CountFailure(lease.task, id, lost->WithContext(name));

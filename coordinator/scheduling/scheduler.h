@@ -24,7 +24,7 @@ struct SchedulerOptions {
   Milliseconds cleanup_grace{30000};  // how long a failed job waits for its Cleanup before it ends without
   int max_attempts = 4;               // of one task, before its job fails
   int max_setbacks = 16;              // times that a task's artifact or inputs may be lost, before its job fails
-  int ready_per_worker = 2;           // another GOP is opened when fewer tasks are ready
+  int ready_per_slot = 2;             // another GOP is opened when fewer tasks are ready for each slot of a worker
   int max_open_gops = 64;             // of one job
   std::uint64_t first_lease = 1;      // a number that no earlier coordinator of the same workers used
 };
@@ -105,7 +105,11 @@ class Scheduler {
   [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
   void EndJob(JobId id, JobState state);
-  [[nodiscard]] std::vector<WorkerId> FreeWorkers() const;
+  // Workers with such room, longest waiting first.
+  [[nodiscard]] std::vector<WorkerId> WorkersWith(WorkerTable::Room room) const;
+  [[nodiscard]] std::size_t NumReady() const;
+  // Grants one task of the job that is next to one of the workers, who then is no longer among them.
+  [[nodiscard]] bool AssignNext(std::vector<WorkerId>& free_workers);
   [[nodiscard]] bool HasLeases(JobId id) const;
   [[nodiscard]] JobSnapshot Snapshot(JobId id, const JobRecord& job) const;
   // Everything that an event may have made possible.

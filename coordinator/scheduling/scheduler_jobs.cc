@@ -152,7 +152,7 @@ void Scheduler::AdvanceEndings() {
 
 void Scheduler::OpenGops() {
   const std::size_t wanted =
-      std::max<std::size_t>(1, workers_.workers().size() * static_cast<std::size_t>(options_.ready_per_worker));
+      std::max<std::size_t>(1, workers_.num_slots() * static_cast<std::size_t>(options_.ready_per_slot));
   std::map<int, std::size_t> jobs_of_priority;
   for (const auto& [id, job] : jobs_) ++jobs_of_priority[job.priority];
   std::size_t ready = 0;
@@ -169,11 +169,11 @@ void Scheduler::OpenGops() {
   }
 }
 
-std::vector<WorkerId> Scheduler::FreeWorkers() const {
+std::vector<WorkerId> Scheduler::WorkersWith(WorkerTable::Room room) const {
   std::vector<std::pair<TimePoint, WorkerId>> free;
   for (const auto& [id, worker] : workers_.workers()) {
     // A worker refuses a grant for an ask older than half a lease.
-    if (workers_.IsFree(worker, now_, options_.lease / 2)) free.emplace_back(worker.ask->received, id);
+    if (workers_.RoomOf(worker, now_, options_.lease / 2) == room) free.emplace_back(worker.ask->received, id);
   }
   std::sort(free.begin(), free.end());
   std::vector<WorkerId> ids;
@@ -183,15 +183,26 @@ std::vector<WorkerId> Scheduler::FreeWorkers() const {
 }
 
 void Scheduler::Assign() {
-  std::vector<WorkerId> free_workers = FreeWorkers();
-  bool assigned = true;
-  while (assigned && !free_workers.empty()) {
-    assigned = false;
-    for (const JobId id : JobsInFairOrder()) {
-      assigned = AssignOneOf(jobs_.at(id), free_workers);
-      if (assigned) break;
-    }
+  std::vector<WorkerId> free_workers = WorkersWith(WorkerTable::Room::kSlot);
+  while (!free_workers.empty() && AssignNext(free_workers)) {
   }
+  // Ahead only while enough is left for whoever is free next: a task that waits behind another one would end later than
+  // on a worker that idles meanwhile.
+  std::vector<WorkerId> fetching = WorkersWith(WorkerTable::Room::kAhead);
+  const std::size_t reserve = workers_.num_slots();
+  while (!fetching.empty() && NumReady() > reserve && AssignNext(fetching)) {
+  }
+}
+
+std::size_t Scheduler::NumReady() const {
+  std::size_t ready = 0;
+  for (const auto& [id, job] : jobs_) ready += job.progress->table().ready().size();
+  return ready;
+}
+
+bool Scheduler::AssignNext(std::vector<WorkerId>& free_workers) {
+  const std::vector<JobId> order = JobsInFairOrder();
+  return std::ranges::any_of(order, [&](JobId id) { return AssignOneOf(jobs_.at(id), free_workers); });
 }
 
 std::vector<JobId> Scheduler::JobsInFairOrder() const {

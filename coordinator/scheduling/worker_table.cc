@@ -4,10 +4,12 @@
 
 namespace depthfarm {
 
-Worker& WorkerTable::Join(WorkerId id, const std::string& name, TimePoint now) {
-  Worker& worker = workers_[id];
-  worker.id = id;
-  worker.name = name;
+Worker& WorkerTable::Join(const WorkerJoined& event, TimePoint now) {
+  Worker& worker = workers_[event.worker];
+  worker.id = event.worker;
+  worker.name = event.name;
+  worker.slots = event.slots;
+  worker.ahead = event.ahead;
   worker.last_heard = now;
   worker.ask.reset();
   worker.known_jobs.clear();
@@ -51,9 +53,17 @@ int WorkerTable::LeasesOf(JobId job) const {
   return count == leases_of_.end() ? 0 : count->second;
 }
 
-bool WorkerTable::IsFree(const Worker& worker, TimePoint now, Milliseconds max_age) const {
-  if (!worker.ask || now - worker.ask->received >= max_age) return false;
-  return std::all_of(worker.leases.begin(), worker.leases.end(), [&](LeaseId id) { return leases_.at(id).revoked; });
+WorkerTable::Room WorkerTable::RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const {
+  if (!worker.ask || now - worker.ask->received >= max_age) return Room::kNone;
+  const auto tasks = std::ranges::count_if(worker.leases, [&](LeaseId id) { return !leases_.at(id).revoked; });
+  if (tasks < worker.slots) return Room::kSlot;
+  return tasks < worker.slots + worker.ahead ? Room::kAhead : Room::kNone;
+}
+
+std::size_t WorkerTable::num_slots() const {
+  std::size_t slots = 0;
+  for (const auto& [id, worker] : workers_) slots += static_cast<std::size_t>(worker.slots);
+  return slots;
 }
 
 }  // namespace depthfarm

@@ -17,6 +17,8 @@ namespace depthfarm {
 struct Worker {
   WorkerId id;
   std::string name;
+  int slots = 1;  // tasks that it computes at a time
+  int ahead = 0;  // tasks that it takes besides
   TimePoint last_heard;
   struct Ask {
     std::uint64_t id = 0;
@@ -40,8 +42,8 @@ struct Lease {
 // Workers and their leases, kept consistent with each other.
 class WorkerTable {
  public:
-  // Adds the worker or renews its name; its asks and known jobs are forgotten, its leases are not.
-  Worker& Join(WorkerId id, const std::string& name, TimePoint now);
+  // Adds the worker or renews its name and room; its asks and known jobs are forgotten, its leases are not.
+  Worker& Join(const WorkerJoined& event, TimePoint now);
   // Null when it never joined or is out.
   [[nodiscard]] Worker* Find(WorkerId id);
   [[nodiscard]] const Worker* Find(WorkerId id) const;
@@ -54,8 +56,15 @@ class WorkerTable {
   // How many leases of the job there are, with those that were revoked and did not end yet.
   [[nodiscard]] int LeasesOf(JobId job) const;
 
-  // True if a task can be granted to it: it asked less than `max_age` ago and all its leases are revoked ones.
-  [[nodiscard]] bool IsFree(const Worker& worker, TimePoint now, Milliseconds max_age) const;
+  // What a worker that asked less than `max_age` ago has room for.
+  enum class Room {
+    kNone,   // it did not ask, or has all the tasks it takes (revoked ones do not count)
+    kAhead,  // a task whose inputs it fetches while it computes others
+    kSlot,   // a task that it computes at once
+  };
+  [[nodiscard]] Room RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const;
+  // How many tasks all workers compute at a time.
+  [[nodiscard]] std::size_t num_slots() const;
 
   [[nodiscard]] std::map<WorkerId, Worker>& workers() { return workers_; }
   [[nodiscard]] const std::map<WorkerId, Worker>& workers() const { return workers_; }

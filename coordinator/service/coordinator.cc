@@ -1,5 +1,6 @@
 #include "coordinator/service/coordinator.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <random>
@@ -184,7 +185,8 @@ void Coordinator::HandleFromWorker(const PeerMessage& message, const v1::Envelop
   const WorkerId worker = session->id;
   switch (envelope.body_case()) {
     case v1::Envelope::kAskForTask:
-      Dispatch(WorkerAsked{worker, envelope.ask_for_task().ask_id()});
+      Dispatch(WorkerAsked{worker, envelope.ask_for_task().ask_id(),
+                           LeasesFromProto(envelope.ask_for_task().running_leases())});
       break;
     case v1::Envelope::kHeartbeat:
       Dispatch(WorkerHeard{worker, envelope.heartbeat().heartbeat_id(),
@@ -214,6 +216,11 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
     if (hello.name().empty()) return InvalidArgument("worker name is empty");
     DEPTHFARM_RETURN_IF_ERROR(CheckText("software version", hello.software_version(), kMaxVersionText));
     DEPTHFARM_RETURN_IF_ERROR(ParseEndpoint(hello.artifact_endpoint()).status().WithContext("artifact server"));
+    if (hello.slots() > kMaxWorkerSlots || hello.tasks_ahead() > kMaxWorkerSlots) {
+      return InvalidArgument("the worker has " + std::to_string(hello.slots()) + " slots and takes " +
+                             std::to_string(hello.tasks_ahead()) + " tasks ahead, expected at most " +
+                             std::to_string(kMaxWorkerSlots));
+    }
     if (!hello.artifact_public_key().empty() && !IsCurveKey(hello.artifact_public_key())) {
       return InvalidArgument("the artifact server's key is no CURVE key");
     }
@@ -236,7 +243,12 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
     Refuse(message, 0, id.status());
     return;
   }
-  WorkerJoined event{*id, hello.name(), {}, LeasesFromProto(hello.running_leases())};
+  WorkerJoined event{*id,
+                     hello.name(),
+                     {},
+                     LeasesFromProto(hello.running_leases()),
+                     std::max(1, static_cast<int>(hello.slots())),
+                     static_cast<int>(hello.tasks_ahead())};
   for (const v1::ArtifactInfo& artifact : hello.artifacts()) {
     const Result<ArtifactInfo> parsed = FromProto(artifact);
     if (parsed.ok()) event.artifacts.push_back(*parsed);

@@ -111,6 +111,21 @@ TEST_P(KilledWorker, LeavesDepthByteIdentical) {
   EXPECT_THAT(Leftovers(output), IsEmpty());
 }
 
+TEST_F(Failure, WorkersOfSeveralSlotsGiveTheSameBytesAlsoIfOneIsKilled) {
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker({"--slots", "3", "--ahead", "2"});
+  const int victim = farm.AddWorker({"--slots", "2"});
+  const std::string output = folder_ / "slots";
+  const std::uint64_t job_id = Submit(farm, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, 25));
+  farm.worker(victim).Signal(SIGKILL);
+  const v1::JobStatus last = WaitForTheEnd(farm, job_id);
+  EXPECT_EQ(last.state(), v1::JOB_STATE_DONE) << last.error().message() << "\n" << farm.Logs();
+  EXPECT_EQ(last.determinism_violations(), 0U);
+  EXPECT_THAT(Differences(Undisturbed(), DepthOf(output)), IsEmpty());
+}
+
 TEST_F(Failure, AWorkerThatComesLaterTakesOverFromTheOnlyOne) {
   Farm farm;
   ASSERT_TRUE(farm.ok()) << farm.problem();

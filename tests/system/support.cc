@@ -188,10 +188,10 @@ Farm::Farm(const std::string& endpoint, const std::string& keys)
   if (const auto jobs = client_->ListJobs(); !jobs.ok()) problem_ = jobs.status().message() + "\n" + Logs();
 }
 
-int Farm::AddWorker() {
+int Farm::AddWorker(const Words& options) {
   const std::string name = "worker-" + std::to_string(workers_.size());
   const Words arguments =
-      Words{"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")} + SecurityOptions();
+      Words{"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")} + SecurityOptions() + options;
   Result<ChildProcess> worker = ChildProcess::Start(Program("depthfarm-worker"), arguments, folder_ / (name + ".log"));
   if (!worker.ok()) {
     problem_ = worker.status().message();

@@ -92,7 +92,7 @@ class Farm {
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
   // Starts a worker and returns its index.
-  int AddWorker();
+  int AddWorker(const Words& options = {});
   [[nodiscard]] ChildProcess& worker(int index) { return workers_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] Client& client() { return *client_; }
   // Options that make `depthfarm` talk to this farm.

@@ -32,6 +32,16 @@ std::uint64_t MemoryBytes(const RefinedView& view) {
 std::uint64_t MemoryBytes(const ConfidenceMap& map) { return sizeof(ConfidenceMap) + VectorBytes(map.codes.values()); }
 
 void MemoryCache::Erase(const ArtifactKey& key) {
+  const std::scoped_lock lock(mutex_);
+  Remove(key);
+}
+
+std::uint64_t MemoryCache::total_bytes() const {
+  const std::scoped_lock lock(mutex_);
+  return total_bytes_;
+}
+
+void MemoryCache::Remove(const ArtifactKey& key) {
   const auto found = entries_.find(key);
   if (found == entries_.end()) return;
   total_bytes_ -= found->second->bytes;
@@ -40,11 +50,12 @@ void MemoryCache::Erase(const ArtifactKey& key) {
 }
 
 void MemoryCache::Insert(const ArtifactKey& key, Object object, std::uint64_t bytes) {
-  Erase(key);
+  const std::scoped_lock lock(mutex_);
+  Remove(key);
   if (bytes > max_bytes_) return;
   while (total_bytes_ > max_bytes_ - bytes) {
     const ArtifactKey oldest = used_.front().key;
-    Erase(oldest);
+    Remove(oldest);
   }
   entries_[key] = used_.insert(used_.end(), Entry{key, std::move(object), bytes});
   total_bytes_ += bytes;

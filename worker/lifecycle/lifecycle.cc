@@ -37,7 +37,7 @@ WorkerState Lifecycle::state() const {
     case Link::kJoining:
       return WorkerState::kJoining;
     case Link::kWelcome:
-      return slot_.has_value() ? WorkerState::kWorking : WorkerState::kIdle;
+      return held_.empty() ? WorkerState::kIdle : WorkerState::kWorking;
     case Link::kLost:
       return WorkerState::kLost;
     case Link::kLeaving:
@@ -58,7 +58,9 @@ std::vector<LifecycleAction> Lifecycle::Handle(const LifecycleEvent& event, Time
 std::vector<LifecycleAction> Lifecycle::Tick(TimePoint now) {
   if (link_ == Link::kGone) return {};
   now_ = now;
-  if (slot_.has_value() && !slot_->stopped && now >= slot_->expires) StopSlot("lease expired");
+  for (const auto& [lease, held] : held_) {
+    if (now >= held.expires) Stop(lease, "lease expired");
+  }
   if (link_ == Link::kLeaving) {
     if (now >= leave_by_) {
       link_ = Link::kGone;
@@ -79,7 +81,9 @@ std::vector<LifecycleAction> Lifecycle::Tick(TimePoint now) {
 TimePoint Lifecycle::NextDue() const {
   if (link_ == Link::kGone) return TimePoint::max();
   TimePoint due = TimePoint::max();
-  if (slot_.has_value() && !slot_->stopped) due = std::min(due, slot_->expires);
+  for (const auto& [lease, held] : held_) {
+    if (!held.stopped) due = std::min(due, held.expires);
+  }
   if (link_ == Link::kLeaving) return std::min(due, leave_by_);
   if (options_.give_up.has_value()) due = std::min(due, heard_ + *options_.give_up);
   return std::min(due, Connected() ? std::min(heartbeat_due_, heard_ + lease_) : hello_due_);
@@ -91,7 +95,7 @@ void Lifecycle::On(const event::Welcomed& welcome) {
   heartbeat_ = welcome.heartbeat;
   lease_ = welcome.lease;
   Heard();
-  // With a task running, a heartbeat at once: it is what renews the lease, or says that the lease is gone.
+  // A heartbeat at once: it is what renews the leases of running tasks, or says that they are gone.
   BeatHeart();
 }
 
@@ -107,12 +111,12 @@ void Lifecycle::On(const event::Refused& refusal) {
 }
 
 void Lifecycle::On(const event::Granted& grant) {
-  if (slot_.has_value() && slot_->lease == grant.lease) return;  // a repeat starts nothing
+  if (held_.contains(grant.lease)) return;  // a repeat starts nothing
   const auto ask = asks_.find(grant.ask_id);
   if (link_ == Link::kLeaving) {
     Do(action::RefuseGrant{grant.lease, "the worker is leaving"});
-  } else if (slot_.has_value()) {
-    Do(action::RefuseGrant{grant.lease, "the worker has another task"});
+  } else if (Full()) {
+    Do(action::RefuseGrant{grant.lease, "the worker has as many tasks as it takes"});
   } else if (!Connected() || ask == asks_.end()) {
     Do(action::RefuseGrant{grant.lease, "nobody asked"});
   } else if (now_ - ask->second > lease_ / 2) {
@@ -121,10 +125,11 @@ void Lifecycle::On(const event::Granted& grant) {
     Ask();
   } else {
     Heard();
-    slot_ = Slot{.lease = grant.lease, .expires = ask->second + lease_};
-    // Later asks crossed the grant on their way; the coordinator may answer one of them when this task has ended.
+    held_[grant.lease] = Held{.expires = ask->second + lease_};
+    // Later asks crossed the grant on their way; the coordinator may answer one of them yet.
     asks_.erase(asks_.begin(), std::next(ask));
     Do(action::StartTask{grant.lease});
+    if (!Full()) Ask();
   }
 }
 
@@ -134,28 +139,35 @@ void Lifecycle::On(const event::HeartbeatAcked& ack) {
   Heard();
   const SentHeartbeat sent = beat->second;
   heartbeats_.erase(heartbeats_.begin(), std::next(beat));
-  if (!slot_.has_value() || slot_->stopped) return;
-  if (std::ranges::find(ack.unknown_leases, slot_->lease) != ack.unknown_leases.end()) {
-    StopSlot("the coordinator does not know the lease");
-  } else if (std::ranges::find(sent.running, slot_->lease) != sent.running.end()) {
-    slot_->expires = std::max(slot_->expires, sent.sent + lease_);
+  for (auto& [lease, held] : held_) {
+    if (held.stopped) continue;
+    if (std::ranges::find(ack.unknown_leases, lease) != ack.unknown_leases.end()) {
+      Stop(lease, "the coordinator does not know the lease");
+    } else if (std::ranges::find(sent.running, lease) != sent.running.end()) {
+      held.expires = std::max(held.expires, sent.sent + lease_);
+    }
   }
 }
 
 void Lifecycle::On(const event::Revoked& revoked) {
-  if (slot_.has_value() && slot_->lease == revoked.lease) StopSlot("revoked");
+  const auto held = held_.find(revoked.lease);
+  if (held == held_.end()) return;
+  held->second.revoked = true;
+  Stop(revoked.lease, "revoked");
 }
 
 void Lifecycle::On(const event::TaskEnded& ended) {
-  if (!slot_.has_value() || slot_->lease != ended.lease) return;
-  const bool wanted = !slot_->stopped && now_ < slot_->expires;
-  slot_.reset();
+  const auto held = held_.find(ended.lease);
+  if (held == held_.end()) return;
+  const bool wanted = !held->second.stopped && now_ < held->second.expires;
+  held_.erase(held);
   if (wanted) {
     Do(action::ReportTask{ended.lease});
   } else {
     Do(action::DropResult{ended.lease});
   }
   if (link_ == Link::kLeaving) {
+    if (!held_.empty()) return;
     link_ = Link::kGone;
     Do(action::Exit{exit_status_});
   } else if (Connected()) {
@@ -168,7 +180,7 @@ void Lifecycle::On(const event::StopRequested&) {
 }
 
 void Lifecycle::SayHello() {
-  Do(action::SendHello{Running()});
+  Do(action::SendHello{Valid()});
   hello_due_ = now_ + hello_retry_;
   hello_retry_ = std::min(2 * hello_retry_, options_.last_hello_retry);
 }
@@ -177,14 +189,14 @@ void Lifecycle::Ask() {
   // Asks too old to be taken are forgotten, so the list stays short however long the worker is idle.
   std::erase_if(asks_, [this](const auto& ask) { return now_ - ask.second > lease_; });
   asks_[++last_ask_] = now_;
-  Do(action::SendAsk{last_ask_});
+  Do(action::SendAsk{last_ask_, Running()});
 }
 
 void Lifecycle::BeatHeart() {
-  heartbeats_[++last_heartbeat_] = {now_, Running()};
+  heartbeats_[++last_heartbeat_] = {now_, Valid()};
   Do(action::SendHeartbeat{last_heartbeat_, Running()});
   heartbeat_due_ = now_ + heartbeat_;
-  if (!slot_.has_value()) Ask();
+  if (!Full()) Ask();
 }
 
 void Lifecycle::LoseCoordinator() {
@@ -195,10 +207,11 @@ void Lifecycle::LoseCoordinator() {
   asks_.clear();
 }
 
-void Lifecycle::StopSlot(const std::string& reason) {
-  if (slot_->stopped) return;
-  slot_->stopped = true;
-  Do(action::StopTask{slot_->lease, reason});
+void Lifecycle::Stop(LeaseId lease, const std::string& reason) {
+  Held& held = held_.at(lease);
+  if (held.stopped) return;
+  held.stopped = true;
+  Do(action::StopTask{lease, reason});
 }
 
 void Lifecycle::Heard() { heard_ = now_; }
@@ -206,19 +219,30 @@ void Lifecycle::Heard() { heard_ = now_; }
 void Lifecycle::Leave(Status status) {
   exit_status_ = std::move(status);
   Do(action::SendGoodbye{});
-  if (!slot_.has_value()) {
+  if (held_.empty()) {
     link_ = Link::kGone;
     Do(action::Exit{exit_status_});
     return;
   }
-  StopSlot("the worker is leaving");
+  for (const auto& [lease, held] : held_) Stop(lease, "the worker is leaving");
   link_ = Link::kLeaving;
   leave_by_ = now_ + options_.goodbye_grace;
 }
 
+std::vector<LeaseId> Lifecycle::Valid() const {
+  std::vector<LeaseId> leases;
+  for (const auto& [lease, held] : held_) {
+    if (!held.stopped) leases.push_back(lease);
+  }
+  return leases;
+}
+
 std::vector<LeaseId> Lifecycle::Running() const {
-  if (!slot_.has_value() || slot_->stopped) return {};
-  return {slot_->lease};
+  std::vector<LeaseId> leases;
+  for (const auto& [lease, held] : held_) {
+    if (!held.stopped || held.revoked) leases.push_back(lease);
+  }
+  return leases;
 }
 
 }  // namespace depthfarm

@@ -21,10 +21,10 @@ using Milliseconds = std::chrono::milliseconds;
 // What a worker is to the coordinator.
 enum class WorkerState {
   kJoining,  // said Hello, not welcomed yet
-  kIdle,     // asked for a task
-  kWorking,  // computes, or waits for a stopped task to end
+  kIdle,     // has no task
+  kWorking,  // computes, or waits for stopped tasks to end
   kLost,     // heard nothing for lease_ms: says Hello again and again
-  kLeaving,  // said goodbye; waits for the task to notice
+  kLeaving,  // said goodbye; waits for its tasks to notice
   kGone,
 };
 
@@ -53,7 +53,7 @@ struct HeartbeatAcked {
 struct Revoked {
   LeaseId lease;
 };
-// The computing thread is free again, with or without a result.
+// The task is over, with or without a result.
 struct TaskEnded {
   LeaseId lease;
 };
@@ -73,11 +73,12 @@ struct SendHello {
 };
 struct SendAsk {
   std::uint64_t ask_id = 0;
+  std::vector<LeaseId> running;  // with those that were revoked and are not over yet
   bool operator==(const SendAsk&) const = default;
 };
 struct SendHeartbeat {
   std::uint64_t heartbeat_id = 0;
-  std::vector<LeaseId> running;
+  std::vector<LeaseId> running;  // the same
   bool operator==(const SendHeartbeat&) const = default;
 };
 struct StartTask {
@@ -122,19 +123,21 @@ using LifecycleAction =
                  lifecycle_action::Exit>;
 
 struct LifecycleOptions {
+  int capacity = 1;  // tasks at a time: those being computed and those whose inputs are fetched ahead
   Milliseconds first_hello_retry{500};  // then doubled for each Hello that nobody answered
   Milliseconds last_hello_retry{5000};
-  Milliseconds goodbye_grace{1500};     // how long a stopped task may take to end before the worker goes anyway
+  Milliseconds goodbye_grace{1500};     // how long stopped tasks may take to end before the worker goes anyway
   std::optional<Milliseconds> give_up;  // silence after which the worker ends; never if not set
 };
 
 // All that a worker decides about joining, asking, leases and leaving. Holds no socket, thread or clock. One owner.
 //
-//   joining --Welcomed--> idle --Granted--> working --TaskEnded--> idle        StopRequested from anywhere: leaving
-//      idle, working --no answer for lease--> lost --Welcomed--> idle or working          leaving --TaskEnded--> gone
+//   joining --Welcomed--> idle --Granted--> working --last TaskEnded--> idle   StopRequested from anywhere: leaving
+//      idle, working --no answer for lease--> lost --Welcomed--> idle or working     leaving --last TaskEnded--> gone
 //
 // A lease counts from the moment the worker sent the ask that was granted, or the last heartbeat that was acked: before
-// the coordinator counts from, so that the worker always gives up first. Its slot is one task at a time.
+// the coordinator counts from, so that the worker always gives up first. It asks while it has fewer tasks than its
+// capacity; which of them is computed when is not its matter.
 class Lifecycle {
  public:
   Lifecycle(const LifecycleOptions& options, TimePoint now);
@@ -149,10 +152,10 @@ class Lifecycle {
   [[nodiscard]] WorkerState state() const;
 
  private:
-  struct Slot {
-    LeaseId lease;
+  struct Held {
     TimePoint expires;
     bool stopped = false;  // its result will be dropped
+    bool revoked = false;  // that is why; the coordinator waits for its end
   };
   struct SentHeartbeat {
     TimePoint sent;
@@ -175,10 +178,14 @@ class Lifecycle {
   void Ask();
   void BeatHeart();
   void LoseCoordinator();
-  void StopSlot(const std::string& reason);
+  void Stop(LeaseId lease, const std::string& reason);
   void Heard();
   void Leave(Status status);
+  // The leases whose tasks are the worker's to do; with those that were revoked and are not over, what the coordinator
+  // should count as running.
+  [[nodiscard]] std::vector<LeaseId> Valid() const;
   [[nodiscard]] std::vector<LeaseId> Running() const;
+  [[nodiscard]] bool Full() const { return static_cast<int>(held_.size()) >= options_.capacity; }
   [[nodiscard]] bool Connected() const { return link_ == Link::kWelcome; }
 
   enum class Link { kJoining, kWelcome, kLost, kLeaving, kGone };
@@ -196,7 +203,7 @@ class Lifecycle {
   TimePoint heartbeat_due_;
   TimePoint leave_by_;
   Status exit_status_;
-  std::optional<Slot> slot_;
+  std::map<LeaseId, Held> held_;
   std::uint64_t last_ask_ = 0;
   std::uint64_t last_heartbeat_ = 0;
   std::map<std::uint64_t, TimePoint> asks_;            // sent after the one last granted

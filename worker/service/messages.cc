@@ -12,6 +12,8 @@ v1::Envelope HelloMessage(const WorkerIdentity& identity, const std::vector<Arti
   hello.set_algorithm_version(kAlgorithmVersion);
   hello.set_software_version(identity.software_version);
   hello.set_memory_bytes(identity.memory_bytes);
+  hello.set_slots(static_cast<std::uint32_t>(identity.slots));
+  hello.set_tasks_ahead(static_cast<std::uint32_t>(identity.ahead));
   hello.set_artifact_endpoint(identity.artifacts.endpoint);
   hello.set_artifact_public_key(identity.artifacts.public_key);
   for (const ArtifactInfo& artifact : artifacts) *hello.add_artifacts() = ToProto(artifact);
@@ -19,9 +21,10 @@ v1::Envelope HelloMessage(const WorkerIdentity& identity, const std::vector<Arti
   return message;
 }
 
-v1::Envelope AskMessage(std::uint64_t ask_id) {
+v1::Envelope AskMessage(std::uint64_t ask_id, const std::vector<LeaseId>& running) {
   v1::Envelope message;
   message.mutable_ask_for_task()->set_ask_id(ask_id);
+  for (const LeaseId lease : running) message.mutable_ask_for_task()->add_running_leases(lease.value());
   return message;
 }
 

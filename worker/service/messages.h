@@ -8,7 +8,7 @@
 #include "common/base/status.h"
 #include "common/job/task_spec.h"
 #include "common/wire/envelope.h"
-#include "worker/service/compute_thread.h"
+#include "worker/service/compute_pool.h"
 
 namespace depthfarm {
 
@@ -17,13 +17,15 @@ struct WorkerIdentity {
   std::string name;
   std::string software_version;
   std::uint64_t memory_bytes = 0;
+  int slots = 1;
+  int ahead = 0;
   ArtifactLocation artifacts;  // where its artifact server can be reached
 };
 
 // Worker -> coordinator.
 [[nodiscard]] v1::Envelope HelloMessage(const WorkerIdentity& identity, const std::vector<ArtifactInfo>& artifacts,
                                         const std::vector<LeaseId>& running);
-[[nodiscard]] v1::Envelope AskMessage(std::uint64_t ask_id);
+[[nodiscard]] v1::Envelope AskMessage(std::uint64_t ask_id, const std::vector<LeaseId>& running);
 [[nodiscard]] v1::Envelope HeartbeatMessage(std::uint64_t heartbeat_id, const std::vector<LeaseId>& running);
 [[nodiscard]] v1::Envelope FinishedMessage(const LeasedOutcome& finished);
 [[nodiscard]] v1::Envelope FailedMessage(LeaseId lease, const v1::TaskId& task, const Status& status);

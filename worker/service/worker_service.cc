@@ -66,6 +66,8 @@ Status WorkerService::Open() {
   identity_.name = options_.name.empty() ? HostName() + ":" + unique : options_.name;
   identity_.software_version = options_.software_version;
   identity_.memory_bytes = PhysicalMemoryBytes();
+  identity_.slots = options_.slots;
+  identity_.ahead = options_.ahead;
   identity_.artifacts.endpoint =
       options_.artifact_listen.empty() ? DefaultArtifactEndpoint(coordinator, unique) : options_.artifact_listen;
   DEPTHFARM_RETURN_IF_ERROR(OpenArtifacts(keys));
@@ -77,11 +79,16 @@ Status WorkerService::Open() {
   }
   DEPTHFARM_ASSIGN_OR_RETURN(coordinator_, ClientChannel::Connect(context_, options_.coordinator, channel));
   LifecycleOptions lifecycle;
+  lifecycle.capacity = options_.slots + options_.ahead;
   lifecycle.give_up = options_.give_up;
   lifecycle_ = std::make_unique<Lifecycle>(lifecycle, Now());
-  compute_ = std::make_unique<ComputeThread>(
-      [this](const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
-        return executor_->Execute(spec, config, stop);
+  compute_ = std::make_unique<ComputePool>(
+      options_.slots,
+      [this](int slot, const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
+        return executors_[static_cast<std::size_t>(slot)]->Execute(spec, config, stop);
+      },
+      [this](const TaskSpec& spec, const std::stop_token& stop) {
+        return FetchAhead(*store_, *fetchers_.back(), spec, stop);
       },
       [this] { poller_.Wake(); });
   return {};
@@ -101,9 +108,14 @@ Status WorkerService::OpenArtifacts(const std::optional<WorkerKeys>& keys) {
 
   FetchOptions fetch;
   fetch.max_artifact_bytes = options_.cache_bytes;
-  fetcher_ = std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch));
   cache_ = std::make_unique<MemoryCache>(options_.memory_bytes);
-  executor_ = std::make_unique<TaskExecutor>(*store_, *cache_, *fetcher_);
+  for (int i = 0; i <= options_.slots; ++i) {
+    fetchers_.push_back(
+        std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch)));
+  }
+  for (int slot = 0; slot < options_.slots; ++slot) {
+    executors_.push_back(std::make_unique<TaskExecutor>(*store_, *cache_, *fetchers_[static_cast<std::size_t>(slot)]));
+  }
   return {};
 }
 
@@ -123,7 +135,7 @@ Status WorkerService::Run() {
     if (options_.exit_with_parent) CheckParent();
     if (stop_requested_.exchange(false)) Handle(event::StopRequested{});
     DEPTHFARM_RETURN_IF_ERROR(ReceiveAll());
-    if (std::optional<LeasedOutcome> outcome = compute_->TakeOutcome()) OnOutcome(std::move(*outcome));
+    while (std::optional<LeasedOutcome> outcome = compute_->TakeOutcome()) OnOutcome(std::move(*outcome));
     ReportDropped();
     CarryOut(lifecycle_->Tick(Now()));
     if (exit_.has_value()) break;
@@ -274,7 +286,7 @@ void WorkerService::Do(const action::SendHello& hello) {
   Send(HelloMessage(identity_, store_->List(), hello.running));
 }
 
-void WorkerService::Do(const action::SendAsk& ask) { Send(AskMessage(ask.ask_id)); }
+void WorkerService::Do(const action::SendAsk& ask) { Send(AskMessage(ask.ask_id, ask.running)); }
 
 void WorkerService::Do(const action::SendHeartbeat& beat) { Send(HeartbeatMessage(beat.heartbeat_id, beat.running)); }
 
@@ -285,7 +297,7 @@ void WorkerService::Do(const action::StartTask& start) {
 
 void WorkerService::Do(const action::StopTask& stop) {
   LogInfo("task_stopped", {{"lease", stop.lease.value()}, {"reason", stop.reason}});
-  compute_->Stop();
+  compute_->Stop(stop.lease);
 }
 
 void WorkerService::Do(const action::ReportTask&) { Send(FinishedMessage(*ended_)); }

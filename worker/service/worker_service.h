@@ -18,7 +18,7 @@
 #include "worker/artifacts/store.h"
 #include "worker/execution/task_executor.h"
 #include "worker/lifecycle/lifecycle.h"
-#include "worker/service/compute_thread.h"
+#include "worker/service/compute_pool.h"
 #include "worker/service/messages.h"
 #include "worker/transfer/artifact_client.h"
 #include "worker/transfer/artifact_server.h"
@@ -32,6 +32,8 @@ struct WorkerOptions {
   std::filesystem::path cache_dir;
   std::uint64_t cache_bytes = std::uint64_t{8} << 30;   // bound of the store
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;  // bound of the decoded artifacts kept in memory
+  int slots = 1;                                        // tasks computed at a time
+  int ahead = 1;                                        // tasks taken besides, to fetch their inputs meanwhile
   std::string name;                                     // empty: host:pid:random
   std::string artifact_listen;                          // empty: DefaultArtifactEndpoint
   std::string advertise;                                // host name for peers; empty: this host's name, or as bound
@@ -40,7 +42,7 @@ struct WorkerOptions {
   std::optional<Milliseconds> give_up;  // leave after so long without the coordinator
 };
 
-// Fetches inputs from other workers.
+// Fetches inputs from other workers. Not thread-safe.
 class PeerFetcher : public ArtifactFetcher {
  public:
   explicit PeerFetcher(ArtifactClient client) : client_(std::move(client)) {}
@@ -50,8 +52,8 @@ class PeerFetcher : public ArtifactFetcher {
   ArtifactClient client_;
 };
 
-// A worker: carries out what its Lifecycle decides. Three threads: the caller of Run talks to the coordinator, one
-// computes, one serves artifacts to peers.
+// A worker: carries out what its Lifecycle decides. Threads: the caller of Run talks to the coordinator, one computes
+// for each slot, one fetches inputs ahead, one serves artifacts to peers.
 class WorkerService {
  public:
   // Opens store and sockets. Errors: kInvalidArgument: endpoints, keys, security rules; kUnavailable: folder or
@@ -102,16 +104,16 @@ class WorkerService {
   TransportContext context_;
   std::unique_ptr<ArtifactStore> store_;
   std::unique_ptr<ArtifactServer> server_;
-  std::unique_ptr<PeerFetcher> fetcher_;
-  std::unique_ptr<MemoryCache> cache_;      // of the computing thread
-  std::unique_ptr<TaskExecutor> executor_;  // same
+  std::unique_ptr<MemoryCache> cache_;
+  std::vector<std::unique_ptr<PeerFetcher>> fetchers_;    // one for each slot, and that which fetches ahead
+  std::vector<std::unique_ptr<TaskExecutor>> executors_;  // one for each slot
   std::unique_ptr<ClientChannel> coordinator_;
   std::unique_ptr<Lifecycle> lifecycle_;
   std::map<JobId, std::shared_ptr<const JobConfig>> jobs_;
   std::optional<LeasedTask> granted_;   // while the lifecycle decides about it
   std::optional<LeasedOutcome> ended_;  // same
   std::optional<Status> exit_;
-  std::unique_ptr<ComputeThread> compute_;  // last: ends first
+  std::unique_ptr<ComputePool> compute_;  // last: ends first
 };
 
 }  // namespace depthfarm

@@ -17,28 +17,45 @@ std::string Text(const ArtifactKey& key) { return {key.begin(), key.end()}; }
 
 void FakeFarm::Submit(const PlannedJob& job, int priority) { Send(JobSubmitted{job, "job", priority}); }
 
-WorkerId FakeFarm::Join() {
+void FakeFarm::Send(const Event& event) {
+  Apply(scheduler.Handle(event, now));
+  while (!to_ask_.empty()) {
+    const std::vector<WorkerId> asking = std::exchange(to_ask_, {});
+    for (const WorkerId id : asking) {
+      const auto worker = workers.find(id);
+      if (worker != workers.end() && worker->second.alive && worker->second.HasRoom()) Ask(id);
+    }
+  }
+}
+
+WorkerId FakeFarm::Join(int slots, int ahead) {
   const WorkerId id(++last_worker_);
   workers[id].id = id;
+  workers[id].slots = slots;
+  workers[id].ahead = ahead;
   Rejoin(id);
   return id;
 }
 
-WorkerId FakeFarm::JoinAndAsk() {
-  const WorkerId id = Join();
+WorkerId FakeFarm::JoinAndAsk(int slots, int ahead) {
+  const WorkerId id = Join(slots, ahead);
   Ask(id);
   return id;
 }
 
 void FakeFarm::Rejoin(WorkerId worker) {
   const FakeWorker& fake = At(worker);
-  WorkerJoined event{worker, "w" + std::to_string(worker.value()), {}, {}};
+  WorkerJoined event{worker, "w" + std::to_string(worker.value()), {}, {}, fake.slots, fake.ahead};
   for (const auto& [key, artifact] : fake.store) event.artifacts.push_back(artifact);
   for (const auto& [lease, grant] : fake.running) event.running.push_back(lease);
   Send(event);
 }
 
-void FakeFarm::Ask(WorkerId worker) { Send(WorkerAsked{worker, ++At(worker).asks}); }
+void FakeFarm::Ask(WorkerId worker) {
+  WorkerAsked event{worker, ++At(worker).asks, {}};
+  for (const auto& [lease, grant] : At(worker).running) event.running.push_back(lease);
+  Send(event);
+}
 
 void FakeFarm::Beat(WorkerId worker) {
   WorkerHeard event{worker, 1, {}};
@@ -136,7 +153,7 @@ void FakeFarm::PassWithBeats(Milliseconds time) {
     for (auto& [id, worker] : workers) {
       if (!worker.alive) continue;
       Beat(id);
-      if (worker.running.empty()) Ask(id);
+      if (worker.HasRoom()) Ask(id);
     }
     Apply(scheduler.Tick(now));
   }
@@ -177,8 +194,9 @@ void FakeFarm::Apply(const Grant& grant) {
   FakeWorker& worker = found->second;
   EXPECT_EQ(grant.ask_id, worker.asks) << "an ask is answered once";
   for (const auto& holders : grant.task.holders) EXPECT_FALSE(holders.empty());
+  EXPECT_TRUE(worker.HasRoom()) << "a worker is given no more than it takes";
   worker.running.emplace(grant.lease, grant);
-  EXPECT_EQ(worker.running.size(), 1U) << "a worker has one slot";
+  if (worker.HasRoom()) to_ask_.push_back(grant.worker);
 }
 
 void FakeFarm::Apply(const AcknowledgeHeartbeat& answer) {

@@ -10,13 +10,17 @@
 
 namespace depthfarm {
 
-// A worker as the scheduler sees one: runs at most one task, holds artifacts in memory, does nothing by itself.
+// A worker as the scheduler sees one: takes tasks up to its room, holds artifacts in memory, does nothing by itself.
 struct FakeWorker {
   WorkerId id;
   bool alive = true;  // false: silent, its store is gone
   std::map<LeaseId, Grant> running;
   std::map<ArtifactKey, ArtifactInfo> store;
   std::uint64_t asks = 0;
+  int slots = 1;
+  int ahead = 0;
+
+  [[nodiscard]] bool HasRoom() const { return running.size() < static_cast<std::size_t>(slots + ahead); }
 };
 
 // A farm in memory on a virtual clock: carries out the scheduler's actions and keeps what they were.
@@ -27,16 +31,17 @@ class FakeFarm {
   void Submit(const PlannedJob& job, int priority = 0);
   void Cancel(std::uint64_t job) { Send(JobCancelled{JobId(job)}); }
 
-  WorkerId Join();  // a new worker, which does not ask yet
-  WorkerId JoinAndAsk();
+  WorkerId Join(int slots = 1, int ahead = 0);  // a new worker, which does not ask yet
+  // One that asks until it has as many tasks as it takes, or there are no more.
+  WorkerId JoinAndAsk(int slots = 1, int ahead = 0);
   void Rejoin(WorkerId worker);  // says Hello again with what it holds and runs
   void Ask(WorkerId worker);
   void Beat(WorkerId worker);
   void Kill(WorkerId worker) { At(worker).alive = false; }
   void Leave(WorkerId worker);
   void Drop(WorkerId worker, const ArtifactKey& key);
-  // The end of the task that the worker runs: well if all its inputs can be fetched, else with missing inputs. Asks
-  // again.
+  // The end of the oldest task that the worker runs: well if all its inputs can be fetched, else with missing inputs.
+  // Asks again.
   void Finish(WorkerId worker);
   void Fail(WorkerId worker, const Status& error);
   void Pass(Milliseconds time);  // no heartbeats
@@ -45,14 +50,15 @@ class FakeFarm {
   void RunToTheEnd();
 
   [[nodiscard]] FakeWorker& At(WorkerId worker) { return workers.at(worker); }
-  // The task that the worker runs now.
+  // The oldest task that the worker runs now.
   [[nodiscard]] const Grant& Running(WorkerId worker) { return At(worker).running.begin()->second; }
   [[nodiscard]] bool IsIdle(WorkerId worker) { return At(worker).running.empty(); }
   [[nodiscard]] int CountNotes(const std::string& event) const;
   // How often a task of the kind and frame was granted.
   [[nodiscard]] int CountGrants(TaskKind kind, int frame) const;
 
-  void Send(const Event& event) { Apply(scheduler.Handle(event, now)); }
+  // Workers with room ask again for each grant.
+  void Send(const Event& event);
   // What a worker that ran the task would report; its artifact and inputs enter its store.
   [[nodiscard]] TaskFinished ResultOf(FakeWorker& worker, const Grant& grant);
   [[nodiscard]] std::vector<ArtifactKey> MissingInputs(const FakeWorker& worker, const Grant& grant) const;
@@ -79,6 +85,7 @@ class FakeFarm {
   void Apply(const Note& note) { notes.push_back(note); }
 
   Milliseconds lease_;
+  std::vector<WorkerId> to_ask_;
   std::uint64_t last_worker_ = 0;
 };
 

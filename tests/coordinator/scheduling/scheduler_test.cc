@@ -431,6 +431,70 @@ TEST(Scheduler, ATaskThatBecomesReadyGoesToAWaitingWorker) {
   EXPECT_EQ(farm.Running(worker).task.spec.id.kind, TaskKind::kPrepare);
 }
 
+TEST(Scheduler, AWorkerIsGivenATaskForEachOfItsSlots) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 2, .gop = 2, .views = 3}));
+  const WorkerId worker = farm.JoinAndAsk(3);
+  EXPECT_EQ(farm.At(worker).running.size(), 3U);
+  farm.RunToTheEnd();
+  EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kDone);
+}
+
+TEST(Scheduler, TasksGoAheadWhileEnoughIsReadyForFreeSlots) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 100, .gop = 1, .views = 2}));
+  const WorkerId first = farm.JoinAndAsk(1, 1);
+  EXPECT_EQ(farm.At(first).running.size(), 2U);
+}
+
+TEST(Scheduler, TheLastReadyTasksWaitForAFreeSlot) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 1, .gop = 1, .views = 3, .blocks_i = 2}));
+  const WorkerId worker = farm.JoinAndAsk(1, 2);
+  RunUntil(farm, worker, TaskKind::kEstimate);
+  EXPECT_EQ(farm.At(worker).running.size(), 1U);  // the other one is left for whoever is free first
+}
+
+TEST(Scheduler, ATaskAheadGoesToTheWorkerOnlyAfterAllFreeSlots) {
+  FakeFarm farm;
+  const WorkerId first = farm.JoinAndAsk(1, 1);
+  const WorkerId second = farm.JoinAndAsk(1, 1);
+  farm.Submit(MakePlannedJob({.frames = 1, .gop = 1, .views = 2, .blocks_i = 1}));
+  EXPECT_EQ(farm.At(first).running.size(), 1U);
+  EXPECT_EQ(farm.At(second).running.size(), 1U);
+}
+
+TEST(Scheduler, ALostWorkersTasksBehindItsSlotsDidNotFail) {
+  FakeFarm farm({.max_attempts = 1});
+  farm.Submit(MakePlannedJob({.frames = 100, .gop = 1, .views = 2}));
+  const WorkerId first = farm.JoinAndAsk(1, 2);
+  ASSERT_GE(farm.At(first).running.size(), 2U);
+  const TaskId behind = std::next(farm.At(first).running.begin())->second.task.spec.id;
+  farm.Kill(first);
+  farm.Pass(kLease);
+  EXPECT_THAT(farm.scheduler.Job(JobId(1))->error.message(), testing::HasSubstr("failed 1 times"));
+  EXPECT_THAT(farm.scheduler.Job(JobId(1))->error.message(), testing::Not(testing::HasSubstr(TaskName(behind))));
+}
+
+TEST(Scheduler, ARevokedTaskCountsUntilTheWorkerSaysThatItIsOver) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 4, .gop = 1, .views = 2}));
+  const WorkerId worker = farm.JoinAndAsk(2);
+  farm.Finish(worker);  // Prepare was among them
+  const std::map<LeaseId, Grant> running = farm.At(worker).running;
+  ASSERT_EQ(running.size(), 2U);
+  farm.Cancel(1);
+  farm.At(worker).running = running;  // it has heard of it, but its tasks are not over
+  farm.Ask(worker);
+  EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 0);
+  farm.At(worker).running.erase(farm.At(worker).running.begin());
+  farm.Ask(worker);
+  EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 0);
+  farm.At(worker).running.clear();
+  farm.Ask(worker);
+  EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 1);
+}
+
 TEST(Scheduler, ASmallJobBehindHugeOnesStartsWithTheNextFreeWorker) {
   FakeFarm farm;
   for (std::uint64_t id = 1; id <= 5; ++id) farm.Submit(MakePlannedJob({.id = id, .frames = 1000, .gop = 1}));

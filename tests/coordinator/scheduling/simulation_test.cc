@@ -21,7 +21,7 @@ class Chaos {
     if (dice < 3 && submitted_ < 3) {
       Submit();
     } else if (dice < 6 && farm_.workers.size() < 6) {
-      farm_.JoinAndAsk();
+      farm_.JoinAndAsk(1 + Below(3), Below(3));
     } else if (dice < 20) {
       farm_.PassWithBeats(Milliseconds(Below(2000)));
     } else if (dice == 20 && submitted_ > 0 && Below(4) == 0) {
@@ -59,7 +59,7 @@ class Chaos {
       if (Below(2) == 0) worker.running.clear();
       worker.alive = true;
       farm_.Rejoin(id);
-      if (worker.running.empty()) farm_.Ask(id);
+      if (worker.HasRoom()) farm_.Ask(id);
     } else if (dice < 3) {
       farm_.Kill(id);
     } else if (dice < 5) {
@@ -75,12 +75,12 @@ class Chaos {
       farm_.Fail(id, Internal("by chance"));
     } else if (dice < 17) {
       const TaskFinished twice = farm_.ResultOf(worker, farm_.Running(id));
-      worker.running.clear();
+      worker.running.erase(twice.lease);
       farm_.Send(twice);
       farm_.Send(twice);
       farm_.Ask(id);
     } else if (dice < 19) {
-      worker.running.clear();  // the grant got lost
+      worker.running.erase(worker.running.begin());  // the grant got lost
     } else {
       farm_.Finish(id);
     }

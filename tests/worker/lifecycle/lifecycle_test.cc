@@ -37,6 +37,13 @@ Kind Only(const Actions& actions) {
 // A worker on a virtual clock.
 class LifecycleTest : public testing::Test {
  protected:
+  explicit LifecycleTest(int capacity = 1) : worker_(WithCapacity(capacity), now_) {}
+
+  LifecycleOptions WithCapacity(int capacity) {
+    options_.capacity = capacity;
+    options_.give_up = Milliseconds(30000);
+    return options_;
+  }
   Actions Handle(const LifecycleEvent& happened) { return worker_.Handle(happened, now_); }
   Actions Tick() { return worker_.Tick(now_); }
   void Pass(Milliseconds time) { now_ += time; }
@@ -60,8 +67,8 @@ class LifecycleTest : public testing::Test {
   }
 
   TimePoint now_{std::chrono::hours(1)};
-  LifecycleOptions options_{.give_up = Milliseconds(30000)};
-  Lifecycle worker_{options_, now_};
+  LifecycleOptions options_;
+  Lifecycle worker_;
 };
 
 TEST_F(LifecycleTest, SaysHelloAgainUntilWelcomedAndWaitsLongerEachTime) {
@@ -215,7 +222,7 @@ TEST_F(LifecycleTest, StopsARevokedTaskOnceAndIsNotFreeBeforeItEnded) {
   EXPECT_THAT(Handle(event::Revoked{kTask}), IsEmpty());
   EXPECT_EQ(worker_.state(), WorkerState::kWorking);
   Pass(kHeartbeat);
-  EXPECT_THAT(Tick(), ElementsAre(action::SendHeartbeat{2, {}}));
+  EXPECT_THAT(Tick(), ElementsAre(action::SendHeartbeat{2, {kTask}}));  // the coordinator waits for its end
   EXPECT_EQ(Count<action::DropResult>(Handle(event::TaskEnded{kTask})), 1);
 }
 
@@ -307,6 +314,85 @@ TEST_F(LifecycleTest, TwoWelcomesLoseNoAsk) {
   const std::uint64_t ask = Join();
   (void)Handle(event::Welcomed{kHeartbeat, kLease});
   EXPECT_THAT(Handle(event::Granted{kTask, ask}), ElementsAre(action::StartTask{kTask}));
+}
+
+// A worker that takes three tasks at a time.
+class LifecycleOfThreeTest : public LifecycleTest {
+ protected:
+  LifecycleOfThreeTest() : LifecycleTest(3) {}
+
+  // Joins and is granted the leases 1, 2, 3.
+  void FillUp() {
+    std::uint64_t ask = Join();
+    for (const LeaseId lease : {LeaseId(1), LeaseId(2), LeaseId(3)}) {
+      const Actions actions = Handle(event::Granted{lease, ask});
+      EXPECT_EQ(Only<action::StartTask>(actions).lease, lease);
+      if (lease != LeaseId(3)) ask = Only<action::SendAsk>(actions).ask_id;
+    }
+  }
+};
+
+TEST_F(LifecycleOfThreeTest, AsksUntilItIsFull) {
+  FillUp();
+  EXPECT_EQ(Only<action::RefuseGrant>(Handle(event::Granted{LeaseId(4), 3})).lease, LeaseId(4));
+  Pass(kHeartbeat);
+  EXPECT_THAT(Tick(), ElementsAre(action::SendHeartbeat{2, {LeaseId(1), LeaseId(2), LeaseId(3)}}));
+}
+
+TEST_F(LifecycleOfThreeTest, EndsTasksInAnyOrderAndAsksAfterEach) {
+  FillUp();
+  for (const LeaseId lease : {LeaseId(2), LeaseId(3), LeaseId(1)}) {
+    EXPECT_EQ(worker_.state(), WorkerState::kWorking);
+    const Actions actions = Handle(event::TaskEnded{lease});
+    EXPECT_EQ(Only<action::ReportTask>(actions).lease, lease);
+    EXPECT_EQ(Count<action::SendAsk>(actions), 1);
+  }
+  EXPECT_EQ(worker_.state(), WorkerState::kIdle);
+}
+
+TEST_F(LifecycleOfThreeTest, StopsTheRevokedTaskAlone) {
+  FillUp();
+  EXPECT_THAT(Handle(event::Revoked{LeaseId(2)}), ElementsAre(action::StopTask{LeaseId(2), "revoked"}));
+  EXPECT_EQ(Only<action::ReportTask>(Handle(event::TaskEnded{LeaseId(1)})).lease, LeaseId(1));
+  const Actions actions = Handle(event::TaskEnded{LeaseId(2)});
+  EXPECT_EQ(Count<action::DropResult>(actions), 1);
+  EXPECT_THAT(Only<action::SendAsk>(actions).running, ElementsAre(LeaseId(3)));
+}
+
+TEST_F(LifecycleOfThreeTest, AnAskNamesWhatStillRunsAlsoIfRevoked) {
+  FillUp();
+  (void)Handle(event::Revoked{LeaseId(2)});
+  EXPECT_THAT(Only<action::SendAsk>(Handle(event::TaskEnded{LeaseId(1)})).running, ElementsAre(LeaseId(2), LeaseId(3)));
+}
+
+TEST_F(LifecycleOfThreeTest, EachLeaseHasItsOwnTime) {
+  FillUp();
+  const std::uint64_t beat = 1;  // sent when it joined, before it had a task
+  Pass(kHeartbeat);
+  (void)Handle(event::HeartbeatAcked{beat, {}});
+  const std::uint64_t second = Only<action::SendHeartbeat>(Tick()).heartbeat_id;
+  (void)Handle(event::TaskEnded{LeaseId(3)});
+  (void)Handle(event::Granted{LeaseId(9), 4});
+  Pass(kLease / 2);
+  (void)Handle(event::HeartbeatAcked{second, {LeaseId(1)}});  // renews 2, not 9
+  EXPECT_EQ(Count<action::DropResult>(Handle(event::TaskEnded{LeaseId(1)})), 1);
+  Pass(kLease / 2);
+  const Actions due = Tick();
+  EXPECT_EQ(Count<action::StopTask>(due), 2);  // both: 2 was renewed by a beat of a lease ago, 9 by an ask as old
+}
+
+TEST_F(LifecycleOfThreeTest, NamesAllRunningLeasesWhenItRejoins) {
+  FillUp();
+  EXPECT_THAT(Only<action::SendHello>(Handle(event::Refused{Unavailable("say hello")})).running,
+              ElementsAre(LeaseId(1), LeaseId(2), LeaseId(3)));
+}
+
+TEST_F(LifecycleOfThreeTest, LeavesWhenAllItsTasksHaveEnded) {
+  FillUp();
+  EXPECT_EQ(Count<action::StopTask>(Handle(event::StopRequested{})), 3);
+  EXPECT_EQ(Count<action::Exit>(Handle(event::TaskEnded{LeaseId(1)})), 0);
+  EXPECT_EQ(Count<action::Exit>(Handle(event::TaskEnded{LeaseId(3)})), 0);
+  EXPECT_EQ(Count<action::Exit>(Handle(event::TaskEnded{LeaseId(2)})), 1);
 }
 
 }  // namespace

@@ -1,0 +1,143 @@
+#include "worker/service/compute_pool.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <semaphore>
+
+namespace depthfarm {
+namespace {
+
+using testing::ElementsAre;
+
+// Tasks are told apart by their frame; each runs until the test lets it.
+class ComputePoolTest : public testing::Test {
+ protected:
+  void Open(int slots) {
+    pool_ = std::make_unique<ComputePool>(
+        slots,
+        [this](int slot, const TaskSpec& spec, const JobConfig&, const std::stop_token& stop) {
+          return Run(slot, spec, stop);
+        },
+        [this](const TaskSpec& spec, const std::stop_token&) {
+          Note("fetch " + std::to_string(spec.id.frame));
+          return FetchedAhead{.bytes = 7, .pins = {}};
+        },
+        [this] { outcomes_.release(); });
+  }
+  TaskOutcome Run(int slot, const TaskSpec& spec, const std::stop_token& stop) {
+    EXPECT_EQ(running_in_[static_cast<std::size_t>(slot)]++, 0) << "a slot runs one task at a time";
+    Note("run " + std::to_string(spec.id.frame));
+    std::unique_lock lock(mutex_);
+    const std::stop_callback woken(stop, [this] { changed_.notify_all(); });
+    changed_.wait(lock, [&] { return free_.contains(spec.id.frame) || stop.stop_requested(); });
+    --running_in_[static_cast<std::size_t>(slot)];
+    TaskOutcome outcome;
+    if (!free_.contains(spec.id.frame)) outcome.status = Cancelled();
+    return outcome;
+  }
+  void Start(int frame) {
+    LeasedTask task{LeaseId(static_cast<std::uint64_t>(frame)), {}, std::make_shared<JobConfig>()};
+    task.spec.id.frame = frame;
+    pool_->Start(std::move(task));
+  }
+  void Free(int frame) {
+    const std::scoped_lock lock(mutex_);
+    free_.insert(frame);
+    changed_.notify_all();
+  }
+  void Note(std::string what) {
+    const std::scoped_lock lock(mutex_);
+    notes_.push_back(std::move(what));
+    changed_.notify_all();
+  }
+  std::vector<std::string> AwaitNotes(std::size_t count) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return notes_.size() >= count; });
+    return notes_;
+  }
+  LeasedOutcome NextOutcome() {
+    outcomes_.acquire();
+    return pool_->TakeOutcome().value();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::set<int> free_;
+  std::vector<std::string> notes_;
+  std::array<std::atomic<int>, 4> running_in_{};
+  std::counting_semaphore<> outcomes_{0};
+  std::unique_ptr<ComputePool> pool_;
+};
+
+TEST_F(ComputePoolTest, FetchesForATaskThatWaitsAndRunsItNext) {
+  Open(1);
+  Start(1);
+  (void)AwaitNotes(1);
+  Start(2);
+  EXPECT_THAT(AwaitNotes(2), ElementsAre("run 1", "fetch 2"));
+  Free(1);
+  Free(2);
+  EXPECT_EQ(NextOutcome().outcome.stats.fetched_bytes, 0U);
+  const LeasedOutcome second = NextOutcome();
+  EXPECT_EQ(second.lease, LeaseId(2));
+  EXPECT_EQ(second.outcome.stats.fetched_bytes, 7U);
+  EXPECT_FALSE(pool_->busy());
+}
+
+TEST_F(ComputePoolTest, RunsAsManyAsItHasSlots) {
+  Open(2);
+  Start(1);
+  Start(2);
+  EXPECT_THAT(AwaitNotes(2), testing::UnorderedElementsAre("run 1", "run 2"));
+  Free(2);
+  EXPECT_EQ(NextOutcome().lease, LeaseId(2));
+  EXPECT_TRUE(pool_->busy());
+  Free(1);
+  EXPECT_EQ(NextOutcome().lease, LeaseId(1));
+}
+
+TEST_F(ComputePoolTest, StopsTheTaskThatRunsAlone) {
+  Open(2);
+  Start(1);
+  Start(2);
+  (void)AwaitNotes(2);
+  pool_->Stop(LeaseId(1));
+  const LeasedOutcome stopped = NextOutcome();
+  EXPECT_EQ(stopped.lease, LeaseId(1));
+  EXPECT_EQ(stopped.outcome.status.code(), ErrorCode::kCancelled);
+  Free(2);
+  EXPECT_TRUE(NextOutcome().outcome.status.ok());
+}
+
+TEST_F(ComputePoolTest, ATaskThatWaitsEndsAtOnceWhenItIsStopped) {
+  Open(1);
+  Start(1);
+  (void)AwaitNotes(1);
+  Start(2);
+  (void)AwaitNotes(2);
+  Start(3);
+  (void)AwaitNotes(3);
+  pool_->Stop(LeaseId(3));
+  const LeasedOutcome stopped = NextOutcome();
+  EXPECT_EQ(stopped.lease, LeaseId(3));
+  EXPECT_EQ(stopped.outcome.status.code(), ErrorCode::kCancelled);
+  pool_->Stop(LeaseId(9));  // nobody's
+  Free(1);
+  Free(2);
+  EXPECT_EQ(NextOutcome().lease, LeaseId(1));
+  EXPECT_EQ(NextOutcome().lease, LeaseId(2));
+}
+
+TEST_F(ComputePoolTest, EndsWithTasksUnderWay) {
+  Open(2);
+  for (int frame = 1; frame <= 5; ++frame) Start(frame);
+  (void)AwaitNotes(2);
+  pool_.reset();
+}
+
+}  // namespace
+}  // namespace depthfarm

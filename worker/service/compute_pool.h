@@ -1,0 +1,89 @@
+#ifndef DEPTHFARM_WORKER_SERVICE_COMPUTE_POOL_H_
+#define DEPTHFARM_WORKER_SERVICE_COMPUTE_POOL_H_
+
+#include <condition_variable>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <vector>
+
+#include "common/job/task_spec.h"
+#include "worker/execution/fetch_ahead.h"
+#include "worker/execution/task_executor.h"
+
+namespace depthfarm {
+
+// A task under a lease.
+struct LeasedTask {
+  LeaseId lease;
+  TaskSpec spec;
+  std::shared_ptr<const JobConfig> config;
+};
+
+struct LeasedOutcome {
+  LeaseId lease;
+  TaskId task;
+  TaskOutcome outcome;
+};
+
+// Executes leased tasks beside the thread that talks to the coordinator: as many at a time as it has slots, in the
+// order in which they came. While all slots compute, one more thread fetches the inputs of those that wait.
+class ComputePool {
+ public:
+  // Both are called in threads of the pool; Execute with the slot, 0 to slots - 1, which runs one task at a time.
+  using Execute = std::function<TaskOutcome(int slot, const TaskSpec&, const JobConfig&, const std::stop_token&)>;
+  using Fetch = std::function<FetchedAhead(const TaskSpec&, const std::stop_token&)>;
+  // `on_done` is called in some thread after each task, to say that there is an outcome to take.
+  ComputePool(int slots, Execute execute, Fetch fetch, std::function<void()> on_done);
+  // Stops all tasks and waits for them.
+  ~ComputePool();
+  ComputePool(const ComputePool&) = delete;
+  ComputePool& operator=(const ComputePool&) = delete;
+
+  // Requires that the lease is new.
+  void Start(LeasedTask task);
+  // Asks a task to stop; its outcome comes all the same. Nothing if there is no such task.
+  void Stop(LeaseId lease);
+  // In the order in which the tasks ended.
+  [[nodiscard]] std::optional<LeasedOutcome> TakeOutcome();
+  // Whether a task was started whose outcome was not taken yet.
+  [[nodiscard]] bool busy() const;
+
+ private:
+  enum class Stage { kWaiting, kFetching, kFetched, kComputing };
+  struct Entry {
+    LeasedTask task;
+    std::stop_source stop;
+    Stage stage = Stage::kWaiting;
+    FetchedAhead fetched;
+  };
+  using Entries = std::list<Entry>;  // in the order of their start; an entry stays where it is in memory
+
+  void Compute(int slot);
+  void FetchInputs();
+  // The functions below require the mutex.
+  [[nodiscard]] Entries::iterator NextToCompute();
+  [[nodiscard]] Entries::iterator NextToFetch();
+  void End(Entries::iterator entry, TaskOutcome outcome);
+  // Of a task that did not begin.
+  void EndStopped(Entries::iterator entry);
+
+  const Execute execute_;
+  const Fetch fetch_;
+  const std::function<void()> on_done_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ending_ = false;
+  int idle_slots_;
+  Entries entries_;
+  std::list<LeasedOutcome> outcomes_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_WORKER_SERVICE_COMPUTE_POOL_H_
