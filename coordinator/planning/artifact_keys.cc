@@ -97,6 +97,32 @@ ArtifactKey ArtifactKeys::Refine(int round, int view, std::span<const Input> inp
   return KeyBuilder("refine").Add(job_).Add(refined_).Add(round).Add(view).Add(inputs).Build();
 }
 
+ArtifactKey ArtifactKeys::AnalysisRequest(const JobConfig& config, int view, const std::string& picture,
+                                          const GuideFiles& guides) {
+  const JobView& of = config.resolved.views[static_cast<std::size_t>(view)];
+  const EstimationParams& params = config.resolved.params;
+  return KeyBuilder("analysis request")
+      .Add(config.algorithm_version)
+      .Add(static_cast<int>(of.format.kind))
+      .Add(of.format.bits)
+      .Add(static_cast<int>(of.format.full_range))
+      .Add(static_cast<int>(of.format.bt709))
+      .Add(of.source_width)
+      .Add(of.source_height)
+      .Add(params.downscale)
+      .Add(of.segments)
+      .Add(params.snic_compactness)
+      .Add(static_cast<int>(of.prior.holds))
+      .Add(of.prior.unit)
+      .Add(of.prior.z_near)
+      .Add(of.prior.z_far)
+      .Add(picture)
+      .Add(guides.mask)
+      .Add(guides.prior)
+      .Add(guides.prior_confidence)
+      .Build();
+}
+
 ArtifactKey ArtifactKeys::Assess(int view, std::span<const Input> inputs) const {
   return KeyBuilder("assess").Add(job_).Add(refined_).Add(view).Add(inputs).Build();
 }

@@ -2,6 +2,7 @@
 #define DEPTHFARM_COORDINATOR_PLANNING_ARTIFACT_KEYS_H_
 
 #include <span>
+#include <string>
 
 #include "common/job/task_spec.h"
 
@@ -10,7 +11,7 @@ namespace depthfarm {
 // Names of the label fields and refined views of a job. Two tasks, of whatever jobs, have the same key only when their
 // operation, algorithm version, level planes, cameras, parameters that reach the results of such tasks, level block or
 // round and view, and inputs are the same; output folders, names, priorities, GOP length and frame numbers do not
-// count. Keys of Analyse are the worker's: they need the picture.
+// count. Keys of Analyse are the worker's: they need the picture; AnalysisRequest stands for them until it is read.
 class ArtifactKeys {
  public:
   explicit ArtifactKeys(const JobConfig& config);
@@ -23,6 +24,9 @@ class ArtifactKeys {
   [[nodiscard]] ArtifactKey Estimate(int num_blocks, int block, std::span<const Input> inputs) const;
   [[nodiscard]] ArtifactKey Merge(std::span<const Input> inputs) const;
   [[nodiscard]] ArtifactKey Refine(int round, int view, std::span<const Input> inputs) const;
+  // Of all that an Analyse task reads and does, with the names of its files in place of what they hold.
+  [[nodiscard]] static ArtifactKey AnalysisRequest(const JobConfig& config, int view, const std::string& picture,
+                                                   const GuideFiles& guides);
   [[nodiscard]] ArtifactKey Assess(int view, std::span<const Input> inputs) const;
 
  private:

@@ -16,6 +16,16 @@ std::string StagingName(int frame, int attempt, LeaseId lease) {
 
 }  // namespace
 
+std::vector<WorkerId> HoldersToTell(const ArtifactDirectory& directory, const ArtifactKey& key, LeaseId lease) {
+  std::vector<WorkerId> holders = directory.Holders(key);
+  if (holders.empty()) return holders;
+  // Different tasks begin with different holders, so that one worker does not serve them all.
+  const std::size_t shift = static_cast<std::size_t>(lease.value() % holders.size());
+  std::rotate(holders.begin(), holders.begin() + static_cast<std::ptrdiff_t>(shift), holders.end());
+  if (holders.size() > kMaxHolders) holders.resize(kMaxHolders);
+  return holders;
+}
+
 JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks)
     : plan_(std::move(job)), keys_(plan_.job().config), directory_(directory), max_setbacks_(max_setbacks) {
   const auto frames = static_cast<std::size_t>(plan_.resolved().num_frames);
@@ -179,6 +189,15 @@ std::optional<ArtifactKey> JobProgress::OutputKey(const TaskId& id, const std::v
   return keys_.Estimate(plan_.resolved().NumBlocks(id.frame), id.index, keys);
 }
 
+std::optional<ArtifactKey> JobProgress::WorkOf(const TaskId& id) const {
+  if (id.kind != TaskKind::kAnalyse) return OutputKey(id, BoundInputs(id));
+  const PlannedJob& job = plan_.job();
+  const auto view = static_cast<std::size_t>(id.index);
+  const auto frame = static_cast<std::size_t>(id.frame);
+  return ArtifactKeys::AnalysisRequest(job.config, id.index, job.pictures[view][frame],
+                                       job.guides.empty() ? GuideFiles{} : job.guides[view][frame]);
+}
+
 TaskSpec JobProgress::Spec(const TaskId& id) const {
   TaskSpec spec;
   spec.id = id;
@@ -218,14 +237,8 @@ std::optional<GrantedTask> JobProgress::Take(const TaskId& id, LeaseId lease) {
   if (task == nullptr || task->state != TaskState::kReady) return std::nullopt;
   GrantedTask granted{Spec(id), {}};
   if (StagesFiles(id.kind)) granted.spec.staging = StagingName(id.frame, task->failures + 1, lease);
-  for (const TaskInput& input : granted.spec.inputs) {
-    std::vector<WorkerId> holders = directory_.Holders(input.artifact.key);
-    // Different tasks begin with different holders, so that one worker does not serve them all.
-    const std::size_t shift = static_cast<std::size_t>(lease.value() % holders.size());
-    std::rotate(holders.begin(), holders.begin() + static_cast<std::ptrdiff_t>(shift), holders.end());
-    if (holders.size() > kMaxHolders) holders.resize(kMaxHolders);
-    granted.holders.push_back(std::move(holders));
-  }
+  for (const TaskInput& input : granted.spec.inputs)
+    granted.holders.push_back(HoldersToTell(directory_, input.artifact.key, lease));
   table_.SetState(id, TaskState::kLeased);
   task->lease = lease;
   task->staging = granted.spec.staging;

@@ -19,6 +19,10 @@
 
 namespace depthfarm {
 
+// Who is named to a worker as holding an artifact: at most a few, for each lease others first.
+[[nodiscard]] std::vector<WorkerId> HoldersToTell(const ArtifactDirectory& directory, const ArtifactKey& key,
+                                                  LeaseId lease);
+
 // How far one job is: its open GOPs, which tasks are ready, what they made. Knows nothing of workers, leases and time.
 //
 // A task is ready when its prerequisites are done and somebody holds their artifacts. A blocked task watches one
@@ -37,6 +41,9 @@ class JobProgress {
   [[nodiscard]] int num_open_gops() const { return static_cast<int>(open_gops_.size()); }
   void OpenNextGop();
 
+  // What names the work of a task whose prerequisites are done: its output key, of Analyse its request; of other kinds
+  // nothing.
+  [[nodiscard]] std::optional<ArtifactKey> WorkOf(const TaskId& id) const;
   // Leases a ready task, if its inputs are still there; else it (or what it needs) is put back and the result is empty.
   [[nodiscard]] std::optional<GrantedTask> Take(const TaskId& id, LeaseId lease);
   // A leased task goes back to be done again; nothing for a task that is not leased.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "coordinator/scheduling/actions.h"
+#include "coordinator/scheduling/analysis_memo.h"
 #include "coordinator/scheduling/artifact_directory.h"
 #include "coordinator/scheduling/events.h"
 #include "coordinator/scheduling/job_progress.h"
@@ -102,6 +103,11 @@ class Scheduler {
   void Assign();
   // All jobs, next to be served first.
   [[nodiscard]] std::vector<JobId> JobsInFairOrder() const;
+  // The inputs of a ready task that somebody holds; of Analyse what it made when it was done before, which may be what
+  // it will make.
+  [[nodiscard]] std::vector<ArtifactInfo> InputsOrHint(const JobRecord& job, const TaskId& task) const;
+  [[nodiscard]] std::optional<ArtifactInfo> HintOf(const JobRecord& job, const TaskId& task) const;
+  [[nodiscard]] TaskCandidate CandidateOf(JobRecord& job, const TaskId& task) const;
   [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
   void EndJob(JobId id, JobState state);
@@ -124,6 +130,7 @@ class Scheduler {
   ArtifactDirectory directory_;
   WorkerTable workers_;
   std::map<JobId, JobRecord> jobs_;
+  AnalysisMemo analyses_;
   std::uint64_t late_results_ = 0;
 };
 

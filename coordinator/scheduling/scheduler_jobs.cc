@@ -41,6 +41,8 @@ void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event) {
     CountFailure(event.task, event.worker, changed_content.status());
     return;
   }
+  if (event.task.kind == TaskKind::kAnalyse)
+    analyses_.Remember(job.progress->WorkOf(event.task).value(), event.artifact->key);
   if (*changed_content) AddViolation(event.task.job, event.artifact->key, TaskName(event.task));
   // What a worker has read it holds, until it says otherwise (PROTOCOL.md).
   for (const ArtifactInfo& input : inputs) (void)directory_.Add(event.worker, input);
@@ -212,6 +214,31 @@ std::vector<JobId> Scheduler::JobsInFairOrder() const {
   return FairOrder(std::move(shares));
 }
 
+std::optional<ArtifactInfo> Scheduler::HintOf(const JobRecord& job, const TaskId& task) const {
+  if (task.kind != TaskKind::kAnalyse) return std::nullopt;
+  const std::optional<ArtifactKey> made = analyses_.Find(job.progress->WorkOf(task).value());
+  const ArtifactInfo* artifact = made ? directory_.Find(*made) : nullptr;
+  return artifact == nullptr ? std::nullopt : std::optional(*artifact);
+}
+
+std::vector<ArtifactInfo> Scheduler::InputsOrHint(const JobRecord& job, const TaskId& task) const {
+  std::vector<ArtifactInfo> inputs = job.progress->InputsOf(task);
+  if (const std::optional<ArtifactInfo> hint = HintOf(job, task)) inputs.push_back(*hint);
+  return inputs;
+}
+
+TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task) const {
+  TaskCandidate candidate{task, {}, {}};
+  for (const ArtifactInfo& input : InputsOrHint(job, task)) {
+    for (const WorkerId holder : directory_.Holders(input.key)) candidate.local_bytes[holder] += input.stored_bytes;
+  }
+  const std::set<WorkerId>& failed_on = job.progress->Find(task)->failed_on;
+  const bool others = std::any_of(workers_.workers().begin(), workers_.workers().end(),
+                                  [&](const auto& entry) { return !failed_on.contains(entry.first); });
+  if (others) candidate.avoid = failed_on;
+  return candidate;
+}
+
 bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers) {
   const auto& ready = job.progress->table().ready();
   for (auto first = ready.begin(); first != ready.end();) {
@@ -219,15 +246,10 @@ bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers)
     auto next = first;
     for (; next != ready.end() && EquallyUrgent(*next, *first); ++next) {
       if (candidates.size() == kMaxCandidates) continue;
-      TaskCandidate candidate{*next, {}, {}};
-      for (const ArtifactInfo& input : job.progress->InputsOf(*next)) {
-        for (const WorkerId holder : directory_.Holders(input.key)) candidate.local_bytes[holder] += input.stored_bytes;
-      }
-      const std::set<WorkerId>& failed_on = job.progress->Find(*next)->failed_on;
-      const bool others = std::any_of(workers_.workers().begin(), workers_.workers().end(),
-                                      [&](const auto& entry) { return !failed_on.contains(entry.first); });
-      if (others) candidate.avoid = failed_on;
-      candidates.push_back(std::move(candidate));
+      // What another task makes just now is not made twice: this one is done without running when that one is.
+      const std::optional<ArtifactKey> work = job.progress->WorkOf(*next);
+      if (work && workers_.IsUnderWay(*work)) continue;
+      candidates.push_back(CandidateOf(job, *next));
     }
     if (const std::optional<Placement> placement = ChoosePlacement(candidates, free_workers)) {
       const std::size_t leases = workers_.leases().size();
@@ -247,7 +269,15 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
   ++next_lease_;
   job.last_grant = lease_id.value();
   Worker& worker = *workers_.Find(placement.worker);
-  Lease& lease = workers_.AddLease(lease_id, placement.task, worker.id, now_ + options_.lease);
+  if (const std::optional<ArtifactInfo> hint = HintOf(job, placement.task)) {
+    task->spec.inputs.push_back({*hint, InputRole::kAnalysis, placement.task.index, {}});
+    task->holders.push_back(HoldersToTell(directory_, hint->key, lease_id));
+  }
+  Lease& lease = workers_.AddLease(lease_id, {.task = placement.task,
+                                              .worker = worker.id,
+                                              .expires = now_ + options_.lease,
+                                              .told = {},
+                                              .work = job.progress->WorkOf(placement.task)});
   for (std::size_t i = 0; i < task->spec.inputs.size(); ++i) {
     lease.told.emplace_back(task->spec.inputs[i].artifact.key, task->holders[i]);
   }

@@ -28,10 +28,11 @@ const Worker* WorkerTable::Find(WorkerId id) const {
 
 void WorkerTable::Remove(WorkerId id) { workers_.erase(id); }
 
-Lease& WorkerTable::AddLease(LeaseId id, const TaskId& task, WorkerId worker, TimePoint expires) {
-  workers_[worker].leases.insert(id);
-  ++leases_of_[task.job];
-  return leases_[id] = Lease{task, worker, expires, {}, false};
+Lease& WorkerTable::AddLease(LeaseId id, Lease lease) {
+  workers_[lease.worker].leases.insert(id);
+  ++leases_of_[lease.task.job];
+  if (lease.work) ++under_way_[*lease.work];
+  return leases_[id] = std::move(lease);
 }
 
 Lease* WorkerTable::FindLease(LeaseId id) {
@@ -45,6 +46,7 @@ void WorkerTable::EndLease(LeaseId id) {
   if (Worker* worker = Find(lease->second.worker)) worker->leases.erase(id);
   const auto count = leases_of_.find(lease->second.task.job);
   if (--count->second == 0) leases_of_.erase(count);
+  if (const auto& work = lease->second.work; work && --under_way_.at(*work) == 0) under_way_.erase(*work);
   leases_.erase(lease);
 }
 

@@ -36,6 +36,7 @@ struct Lease {
   WorkerId worker;
   TimePoint expires;
   std::vector<std::pair<ArtifactKey, std::vector<WorkerId>>> told;  // where the worker was told to find its inputs
+  std::optional<ArtifactKey> work;                                  // JobProgress::WorkOf
   bool revoked = false;  // its result is not wanted; it counts until the worker is known to have stopped
 };
 
@@ -50,8 +51,10 @@ class WorkerTable {
   // Its leases must have ended.
   void Remove(WorkerId id);
 
-  Lease& AddLease(LeaseId id, const TaskId& task, WorkerId worker, TimePoint expires);
+  Lease& AddLease(LeaseId id, Lease lease);
   [[nodiscard]] Lease* FindLease(LeaseId id);
+  // Whether some lease is for this work (Lease::work).
+  [[nodiscard]] bool IsUnderWay(const ArtifactKey& work) const { return under_way_.contains(work); }
   void EndLease(LeaseId id);
   // How many leases of the job there are, with those that were revoked and did not end yet.
   [[nodiscard]] int LeasesOf(JobId job) const;
@@ -73,7 +76,8 @@ class WorkerTable {
  private:
   std::map<WorkerId, Worker> workers_;
   std::map<LeaseId, Lease> leases_;
-  std::map<JobId, int> leases_of_;  // jobs with any
+  std::map<JobId, int> leases_of_;        // jobs with any
+  std::map<ArtifactKey, int> under_way_;  // leases of each work
 };
 
 }  // namespace depthfarm

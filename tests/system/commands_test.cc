@@ -15,6 +15,41 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
+// Of the tasks that make an artifact, how many ran although it was there.
+int MadeAnew(const nlohmann::json& job) {
+  int made = 0;
+  for (const auto& stage : job["stages"]) {
+    const std::string name = stage["stage"];
+    if (name == "analyse" || name == "estimate" || name == "merge" || name == "refine")
+      made += stage["tasksDone"].get<int>() - stage["reused"].get<int>();
+  }
+  return made;
+}
+
+TEST(Commands, TheSameJobAgainComputesNothingAndALongerOneOnlyWhatIsNew) {
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene", {.frames = 6});
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  for (int i = 0; i < 3; ++i) farm.AddWorker();
+  const auto submit = [&](const std::string& output, const std::string& frames) {
+    const Outcome outcome =
+        Depthfarm(Words{"submit", sequence, "-o", folder / output, "--wait", "--json", "--frames", frames} +
+                  SmallJob() + farm.Options());
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.output << farm.Logs();
+    return ParseJsonTail(outcome.output);
+  };
+  EXPECT_GT(MadeAnew(submit("first", "0:4")), 0);
+  EXPECT_EQ(MadeAnew(submit("second", "0:4")), 0);
+  EXPECT_THAT(Differences(DepthOf(folder / "first"), DepthOf(folder / "second")), IsEmpty());
+  const nlohmann::json longer = submit("longer", "0:6");
+  for (const auto& stage : longer["stages"]) {
+    if (stage["stage"] == "analyse") {
+      EXPECT_EQ(stage["reused"], 3 * 4);
+    }
+  }
+}
+
 TEST(Commands, SubmitStatusWatchJobsAndWorkersTellOfAJob) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene");

@@ -19,6 +19,7 @@
 #include "worker/estimation/estimation.h"
 #include "worker/estimation/label_field_codec.h"
 #include "worker/execution/analysis_key.h"
+#include "worker/execution/fetch_ahead.h"
 #include "worker/execution/job_manifest.h"
 #include "worker/execution/output_folder.h"
 #include "worker/execution/resource_usage.h"
@@ -133,7 +134,7 @@ TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config,
   outcome.stats.cpu_seconds = after.cpu_seconds - before.cpu_seconds;
   outcome.stats.peak_memory_bytes = after.peak_memory_bytes;
   outcome.stats.fetch_seconds = inputs.fetch_seconds();
-  outcome.stats.fetched_bytes = inputs.fetched_bytes();
+  outcome.stats.fetched_bytes += inputs.fetched_bytes();
   return outcome;
 }
 
@@ -250,6 +251,9 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     const ArtifactKey key = AnalysisKey(view, params, digests);
     outcome.picture_digest = digests.picture;
     outcome.output_key = key;
+    // The input, if there is one, is what the coordinator believes this task to make.
+    if (!store_.Find(key).has_value() && !task.spec.inputs.empty() && task.spec.inputs[0].artifact.key == key)
+      outcome.stats.fetched_bytes = FetchAhead(store_, fetcher_, task.spec, task.stop).bytes;
     if (const auto known = task.inputs.Find<ViewAnalysis>(key); known != nullptr) {
       outcome.artifact = store_.Find(key);
       outcome.stats.segments = static_cast<std::uint32_t>(known->segments.num_segments());

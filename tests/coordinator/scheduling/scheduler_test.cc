@@ -557,6 +557,48 @@ TEST(Scheduler, WorkDoneForOneJobIsNotDoneAgainForAnother) {
   EXPECT_EQ(farm.ended.at(JobId(2)).stages[static_cast<std::size_t>(TaskKind::kEstimate)].reused, 8U);
 }
 
+TEST(Scheduler, AnAnalysisThatWasMadeBeforeGoesWhereItIsHeldAndIsNamedAsInput) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.id = 1, .frames = 1, .gop = 1, .views = 1}));
+  farm.JoinAndAsk();
+  farm.RunToTheEnd();
+  const WorkerId stranger = farm.Join();
+  const WorkerId holder = farm.workers.begin()->first;
+  farm.Submit(MakePlannedJob({.id = 2, .frames = 1, .gop = 1, .views = 1}));
+  farm.Finish(holder);  // Prepare
+  const Grant analyse = farm.Running(holder);
+  ASSERT_EQ(analyse.task.spec.id.kind, TaskKind::kAnalyse);
+  ASSERT_EQ(analyse.task.spec.inputs.size(), 1U);
+  EXPECT_EQ(analyse.task.spec.inputs[0].artifact.key, Sha256("/in/cam0/0.png"));
+  EXPECT_THAT(analyse.task.holders[0], testing::ElementsAre(holder));
+  EXPECT_TRUE(farm.IsIdle(stranger));
+  farm.RunToTheEnd();
+}
+
+TEST(Scheduler, AnAnalysisThatNobodyHoldsAnyMoreIsNoInput) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.id = 1, .frames = 1, .gop = 1, .views = 1}));
+  const WorkerId worker = farm.JoinAndAsk();
+  farm.RunToTheEnd();
+  farm.Drop(worker, Sha256("/in/cam0/0.png"));
+  farm.Submit(MakePlannedJob({.id = 2, .frames = 1, .gop = 1, .views = 1}));
+  EXPECT_TRUE(RunUntil(farm, worker, TaskKind::kAnalyse).task.spec.inputs.empty());
+}
+
+TEST(Scheduler, WhatOneJobMakesNowIsNotMadeByAnother) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.id = 1, .frames = 6, .gop = 3, .views = 3, .blocks_i = 2}));
+  farm.Submit(MakePlannedJob({.id = 2, .frames = 6, .gop = 3, .views = 3, .blocks_i = 2}));
+  for (int i = 0; i < 5; ++i) farm.JoinAndAsk();
+  farm.RunToTheEnd();
+  std::map<ArtifactKey, int> made;
+  for (const Grant& grant : farm.grants) {
+    if (grant.task.spec.output_key) ++made[*grant.task.spec.output_key];
+  }
+  for (const auto& [key, count] : made) EXPECT_EQ(count, 1);
+  for (const auto& [id, job] : farm.ended) EXPECT_EQ(job.state, JobState::kDone);
+}
+
 TEST(Scheduler, AWorkerThatSaysHelloAgainKeepsTheTaskItStillRuns) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({}));

@@ -169,6 +169,51 @@ TEST(TaskExecutor, ARepeatedJobReusesWhatExists) {
   }
 }
 
+TEST(TaskExecutor, AnAnalysisThatAnotherWorkerHoldsIsFetchedNotMade) {
+  SmallJob job;
+  TestWorker first;
+  TestWorker second;
+  const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
+  second.fetcher.stores = {first.store.get()};
+  TaskSpec spec = job.Analyse(0, 0);
+  spec.inputs = {{*made.artifact, InputRole::kAnalysis, 0, {}}};
+  const TaskOutcome outcome = second.Execute(spec, job.config);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
+  EXPECT_TRUE(outcome.stats.reused);
+  EXPECT_EQ(outcome.artifact, made.artifact);
+  EXPECT_EQ(outcome.picture_digest, made.picture_digest);
+  EXPECT_GT(outcome.stats.fetched_bytes, 0U);
+}
+
+TEST(TaskExecutor, AnAnalysisOfAPictureThatChangedIsMadeWhateverTheCoordinatorBelieves) {
+  SmallJob job;
+  TestWorker first;
+  TestWorker second;
+  const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
+  second.fetcher.stores = {first.store.get()};
+  TaskSpec spec = job.Analyse(0, 1);  // as if this were what the file holds now
+  spec.inputs = {{*made.artifact, InputRole::kAnalysis, 0, {}}};
+  const TaskOutcome outcome = second.Execute(spec, job.config);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
+  EXPECT_FALSE(outcome.stats.reused);
+  EXPECT_NE(outcome.artifact->key, made.artifact->key);
+  EXPECT_EQ(second.fetcher.fetches, 0);
+}
+
+TEST(TaskExecutor, AnAnalysisThatCannotBeFetchedIsMade) {
+  SmallJob job;
+  TestWorker first;
+  TestWorker second;
+  const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
+  TaskSpec spec = job.Analyse(0, 0);
+  spec.inputs = {{*made.artifact, InputRole::kAnalysis, 0, {}}};
+  const TaskOutcome outcome = second.Execute(spec, job.config);
+  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
+  EXPECT_FALSE(outcome.stats.reused);
+  EXPECT_EQ(outcome.artifact, made.artifact);
+  EXPECT_TRUE(outcome.missing_inputs.empty());
+}
+
 TEST(TaskExecutor, ADamagedArtifactIsMadeAgainNotReused) {
   SmallJob job;
   TestWorker worker;
