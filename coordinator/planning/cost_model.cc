@@ -1,0 +1,233 @@
+#include "coordinator/planning/cost_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace depthfarm {
+namespace {
+
+// Where the constants come from: jobs of algorithm version 8 on one worker, CPU seconds by task as the coordinator logs
+// them, artifact sizes as stored, peak memory of a worker that started afresh. The scenes are arcs that `depthfarm
+// scene arc` renders: seed 301, 5 views of 640x480; 113, 5 of 1024x768; 117, 6 of 1920x1080; each by default, the first
+// one also with the presets best, fast and (320x240) paper, --level-blocks 4, --sweeps 1, --neighbors 4, --confidence
+// on and four frames. Figures in the tests of this file.
+//
+// Photographs take longer where these scenes are easy: of four real sets (docs/benchmarks.md, Real sets) Estimate and
+// Refine together took 1.2 to 2.4 times as long as rendered scenes of the same sizes would. Predictions stand between.
+constexpr double kContent = 1.3;
+
+constexpr double kNano = 1e-9;
+constexpr double kMicro = 1e-6;
+constexpr double kMebi = 1024.0 * 1024.0;
+
+// Analyse. Reading, digest and decoding are of the picture as it is, all else of the downscaled one: 230 to 290 ns a
+// pixel together, where nothing is downscaled.
+constexpr double kDecodePixel = 25 * kNano;
+constexpr double kAnalysePixel = 235 * kNano;
+
+// Estimate, a segment: what every part does anew, and what it does for each of its levels. Sparse: 34 to 250 levels in
+// one to four parts fit within 15 %. Full: a sweep over 8 to 36 levels, and with every match in full (uniqueness 0)
+// over 250.
+constexpr double kSparseSegment = 2.3 * kMicro;
+constexpr double kSparseLevel = 0.14 * kMicro;
+constexpr double kMatchLevel = 0.02 * kMicro;  // for each neighbour
+constexpr double kFullSegment = 0.5 * kMicro;
+constexpr double kSweptLevel = 0.31 * kMicro;
+constexpr double kSweptLevelOfAllMatches = 0.5 * kMicro;
+constexpr int kSweepsUntilNothingChanges = 6;  // measured with the preset paper
+
+// Merge, a segment: 0.9 us with 34 levels, 2.1 us with 250.
+constexpr double kMergeSegment = 0.7 * kMicro;
+constexpr double kMergeLevel = 5.5 * kNano;
+
+// Of the segments of a P frame so many change (measured: 21 to 26 %); refinement works on more than that, since what
+// moves has jumps around it.
+constexpr double kChangedShare = 0.25;
+constexpr double kRefinedShare = 0.42;
+
+// Refine, a pixel and a view it is compared with. A round of choice looks closer at pixels near jumps; there are as
+// many as jumps are long, which grows with the root of the pixels.
+constexpr double kStartPixel = 10 * kNano;
+constexpr double kStartPixelOfPFrame = 30 * kNano;
+constexpr double kRoundPixel = 36 * kNano;
+constexpr double kFirstRoundPixel = 12 * kNano;   // more: smoothed pictures, surfaces without texture
+constexpr double kChoicePixel = 23 * kNano;       // more, and as much for the view itself
+constexpr double kChoiceJumpPixel = 37 * kMicro;  // times the root of the pixels
+constexpr double kLaterChoice = 0.65;             // less is open after the first choice
+
+constexpr double kAssessPixel = 125 * kNano;  // and a view it is compared with
+constexpr double kEmitPixel = 70 * kNano;
+constexpr double kEmitPixelOfLevels = 36 * kNano;  // depth of levels compresses better, with less work
+constexpr double kFileSeconds = 0.8e-3;            // renamed into place; named in the manifest
+constexpr double kFileInManifest = 20 * kMicro;
+constexpr double kRenderPart = 1.5;  // a part of a rendering job (job_plan.h)
+
+// Artifacts and files, stored bytes. 0.9 to 1.2 of what was measured.
+constexpr double kAnalysisPixelStored = 1.75;
+constexpr double kAnalysisSegmentStored = 1.8;
+constexpr double kLabelStored = 0.27;
+constexpr double kLabelLevelStored = 0.0011;
+constexpr double kLabelOfPFrame = 1.6;  // also says which are unchanged
+constexpr double kRefinedPixelStored = 0.22;
+constexpr double kStartSegmentStored = 2.5;
+constexpr double kRefinedSegmentStored = 12.7;
+constexpr double kKeptPixelStored = 1.0;  // more, in P frames: what was kept has planes of its own
+constexpr double kConfidencePixelStored = 1.15;
+constexpr double kDepthPixelStored = 1.1;
+constexpr double kLevelPixelStored = 0.33;
+
+// Memory of a worker, bytes. The process itself, with its libraries, takes 52 MiB.
+constexpr double kProcess = 52 * kMebi;
+constexpr double kAnalysisPixel = 8;     // colour, segment
+constexpr double kAnalysisSegment = 48;  // centre, mean, three neighbours
+constexpr double kRefinedPixel = 4;
+constexpr double kRefinedSegment = 13;
+constexpr double kAnalysingPixel = 65;
+constexpr double kGraphSegment = 520;
+constexpr double kBeliefLevel = 3;   // of a segment, sparse search
+constexpr double kMatchOfAll = 6;    // of a segment, a level and a neighbour, every match in full
+constexpr double kMatchOfFew = 1.5;  // a quarter has a reward
+constexpr double kRefiningPixel = 110;
+constexpr double kEmittingPixel = 8;
+
+// Checking, decompressing and decoding what another worker made, per stored byte: what jobs of two and four workers
+// took more than those of one, 12 to 30 ns, which is in part what the views of a round share on one worker.
+constexpr double kReadByte = 18 * kNano;
+
+double PixelsOf(const JobView& view) {
+  return static_cast<double>(view.camera.width) * static_cast<double>(view.camera.height);
+}
+
+double AnalysisBytes(double pixels, double segments) { return kAnalysisPixel * pixels + kAnalysisSegment * segments; }
+
+TaskCost Cost(double seconds, double memory, double result) {
+  return {seconds, static_cast<std::uint64_t>(kProcess + memory), static_cast<std::uint64_t>(result)};
+}
+
+}  // namespace
+
+CostModel::CostModel(const ResolvedJob& job) : job_(job) {
+  for (const JobView& view : job.views) {
+    pixels_ += PixelsOf(view);
+    segments_ += view.segments;
+  }
+}
+
+double CostModel::SecondsToRead(std::uint64_t stored_bytes) { return kReadByte * static_cast<double>(stored_bytes); }
+
+TaskCost CostModel::Of(const TaskId& id) const {
+  const bool i_frame = job_.IsIFrame(id.frame);
+  const auto view = [&](int index) -> const JobView& { return job_.views[static_cast<std::size_t>(index)]; };
+  const double files = static_cast<double>(job_.num_views()) * (job_.params.confidence ? 2 : 1);
+  switch (id.kind) {
+    case TaskKind::kAnalyse:
+      return Analyse(view(id.index));
+    case TaskKind::kEstimate:
+      return Estimate(i_frame);
+    case TaskKind::kMerge:
+      return Merge(i_frame);
+    case TaskKind::kRefine:
+      return Refine(i_frame, id.index, view(id.pair));
+    case TaskKind::kAssess:
+      return Assess(view(id.index));
+    case TaskKind::kEmit:
+      return Emit(i_frame);
+    case TaskKind::kRender:
+      return Cost(kRenderPart, 0, 0);
+    case TaskKind::kCommit:
+      return Cost(kFileSeconds * files, 0, 0);
+    case TaskKind::kManifest:
+      return Cost(kFileSeconds + kFileInManifest * files * job_.num_frames, 0, 0);
+    case TaskKind::kPrepare:
+    case TaskKind::kCleanup:
+      return Cost(kFileSeconds, 0, 0);
+  }
+  return {};
+}
+
+TaskCost CostModel::Analyse(const JobView& view) const {
+  const double pixels = PixelsOf(view);
+  const double source = static_cast<double>(view.source_width) * static_cast<double>(view.source_height);
+  return Cost(kDecodePixel * source + kAnalysePixel * pixels,
+              kAnalysingPixel * pixels + AnalysisBytes(pixels, view.segments),
+              kAnalysisPixelStored * pixels + kAnalysisSegmentStored * view.segments);
+}
+
+TaskCost CostModel::Estimate(bool i_frame) const {
+  const EstimationParams& params = job_.params;
+  const double levels = static_cast<double>(params.levels) / (i_frame ? job_.level_blocks_i : job_.level_blocks_p);
+  const double neighbours = params.neighbours;
+  const bool sparse = params.search == Search::kSparse;
+  const bool all_matches = params.uniqueness == 0;
+  const int sweeps = params.max_sweeps > 0 ? params.max_sweeps : kSweepsUntilNothingChanges;
+  const double level = sparse ? kSparseLevel : sweeps * (all_matches ? kSweptLevelOfAllMatches : kSweptLevel);
+  const double segment = (sparse ? kSparseSegment : kFullSegment) + (level + kMatchLevel * neighbours) * levels;
+  const double nodes = segments_ * (i_frame ? 1 : kChangedShare);
+  const double graph =
+      kGraphSegment + levels * ((sparse ? kBeliefLevel : 0) + (all_matches ? kMatchOfAll : kMatchOfFew) * neighbours);
+  const double frames_read = i_frame ? 1 : 3;  // itself, the one before, the I frame
+  const double stored = (kLabelStored + kLabelLevelStored * levels) * (i_frame ? 1 : kLabelOfPFrame);
+  return Cost(kContent * nodes * segment, frames_read * AnalysisBytes(pixels_, segments_) + nodes * graph,
+              segments_ * stored);
+}
+
+TaskCost CostModel::Merge(bool i_frame) const {
+  const double nodes = segments_ * (i_frame ? 1 : kChangedShare);
+  const double stored = (kLabelStored + kLabelLevelStored * job_.params.levels) * (i_frame ? 1 : kLabelOfPFrame);
+  return Cost(nodes * (kMergeSegment + kMergeLevel * job_.params.levels),
+              AnalysisBytes(pixels_, segments_) + nodes * kGraphSegment, segments_ * stored);
+}
+
+double CostModel::ComparedBytes(const JobView& view) const {
+  const auto bytes = [](const JobView& one) {
+    const double pixels = PixelsOf(one);
+    return AnalysisBytes(pixels, one.segments) + kRefinedPixel * pixels + kRefinedSegment * one.segments;
+  };
+  double sum = bytes(view);
+  for (const int other : view.compared) sum += bytes(job_.views[static_cast<std::size_t>(other)]);
+  return sum;
+}
+
+TaskCost CostModel::Refine(bool i_frame, int round, const JobView& view) const {
+  const double pixels = PixelsOf(view);
+  const double compared = static_cast<double>(view.compared.size());
+  const double kept = i_frame ? 0 : kKeptPixelStored * pixels;
+  if (round == 0) {
+    const double frames_read = i_frame ? 1 : 3;
+    return Cost((i_frame ? kStartPixel : kStartPixelOfPFrame) * pixels,
+                frames_read * (AnalysisBytes(pixels, view.segments) + kRefinedPixel * pixels),
+                kRefinedPixelStored * pixels + kStartSegmentStored * view.segments + kept);
+  }
+  const int first_choice = std::max(1, job_.params.refine_rounds - job_.params.choice_rounds + 1);
+  double seconds = (kRoundPixel + (round == 1 ? kFirstRoundPixel : 0)) * compared * pixels;
+  if (round >= first_choice) {
+    const double jumps = kChoicePixel * pixels + kChoiceJumpPixel * std::sqrt(pixels);
+    seconds += jumps * (compared + 1) * (round == first_choice ? 1 : kLaterChoice);
+  }
+  return Cost(kContent * seconds * (i_frame ? 1 : kRefinedShare), ComparedBytes(view) + kRefiningPixel * pixels,
+              kRefinedPixelStored * pixels + kRefinedSegmentStored * view.segments + kept);
+}
+
+TaskCost CostModel::Assess(const JobView& view) const {
+  const double pixels = PixelsOf(view);
+  return Cost(kAssessPixel * static_cast<double>(view.compared.size()) * pixels,
+              ComparedBytes(view) + kRefiningPixel * pixels, kConfidencePixelStored * pixels);
+}
+
+TaskCost CostModel::Emit(bool i_frame) const {
+  const bool refined = job_.params.refine_rounds > 0;
+  const bool confidence = job_.params.confidence;
+  double seconds = (refined ? kEmitPixel : kEmitPixelOfLevels) * pixels_;
+  double stored = (refined ? kDepthPixelStored : kLevelPixelStored) * pixels_;
+  if (confidence) {
+    seconds += kEmitPixel * pixels_;
+    stored += kConfidencePixelStored * pixels_;
+  }
+  const double kept = i_frame ? 0 : kAnalysisSegment * segments_;
+  const double of_views =
+      refined ? kRefinedPixel * pixels_ + kRefinedSegment * segments_ + kept : AnalysisBytes(pixels_, segments_);
+  const double largest = job_.views.empty() ? 0 : PixelsOf(*std::ranges::max_element(job_.views, {}, PixelsOf));
+  return Cost(seconds, of_views + kEmittingPixel * largest, stored);
+}
+
+}  // namespace depthfarm

@@ -1,0 +1,247 @@
+#include "coordinator/planning/cost_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "coordinator/planning/job_plan.h"
+
+namespace depthfarm {
+namespace {
+
+struct Shape {
+  int views = 5;
+  int width = 640;
+  int height = 480;
+  int segments = 15360;  // of a view
+  int levels = 34;
+  int blocks = 1;
+  int frames = 1;
+};
+
+// Every view is compared with as many others as the parameters ask for.
+ResolvedJob JobOf(const Shape& shape, const EstimationParams& params = {}, int source_scale = 1) {
+  ResolvedJob job;
+  job.params = params;
+  job.params.levels = shape.levels;
+  job.num_frames = shape.frames;
+  job.level_blocks_i = shape.blocks;
+  job.level_blocks_p = (shape.blocks + 1) / 2;
+  for (int view = 0; view < shape.views; ++view) {
+    JobView job_view;
+    job_view.camera.width = shape.width;
+    job_view.camera.height = shape.height;
+    job_view.source_width = shape.width * source_scale;
+    job_view.source_height = shape.height * source_scale;
+    job_view.segments = shape.segments;
+    for (int i = 1; i <= std::min(params.compared, shape.views - 1); ++i)
+      job_view.compared.push_back((view + i) % shape.views);
+    job.views.push_back(job_view);
+  }
+  return job;
+}
+
+JobPlan PlanOf(const ResolvedJob& job) {
+  PlannedJob planned;
+  planned.config.job = JobId(1);
+  planned.config.resolved = job;
+  return JobPlan(planned);
+}
+
+// Of all tasks of the first GOP.
+std::map<TaskKind, double> SecondsByStage(const ResolvedJob& job) {
+  const CostModel model(job);
+  std::map<TaskKind, double> seconds;
+  for (const TaskId& id : PlanOf(job).TasksOfGop(0)) seconds[id.kind] += model.Of(id).seconds;
+  return seconds;
+}
+std::map<TaskKind, std::uint64_t> BytesByStage(const ResolvedJob& job) {
+  const CostModel model(job);
+  std::map<TaskKind, std::uint64_t> bytes;
+  for (const TaskId& id : PlanOf(job).TasksOfGop(0)) bytes[id.kind] += model.Of(id).result_bytes;
+  return bytes;
+}
+
+EstimationParams PresetOf(const std::string& name) { return Preset(name).value(); }
+
+struct Measured {
+  std::string name;
+  ResolvedJob job;
+  double analyse = 0;
+  double estimate = 0;
+  double merge = 0;
+  double refine = 0;
+  double assess = 0;
+  double emit = 0;
+};
+
+// CPU seconds of the stages of jobs that were run, algorithm version 8, one worker; the arcs of seed 301 (640x480), 113
+// (1024x768) and 117 (1920x1080) that `depthfarm scene arc` renders.
+std::vector<Measured> MeasuredJobs() {
+  EstimationParams full;
+  full.search = Search::kFull;
+  EstimationParams four_neighbours;
+  four_neighbours.neighbours = 4;
+  EstimationParams confidence;
+  confidence.confidence = true;
+  EstimationParams levels_only;
+  levels_only.refine_rounds = 0;
+  const Shape paper{.width = 320, .height = 240, .segments = 3840, .levels = 250};
+  const Shape hd{.views = 6, .width = 1920, .height = 1080, .segments = 63850, .levels = 77};
+  const Shape hd_levels{.views = 6, .width = 1920, .height = 1080, .segments = 103680, .levels = 250, .blocks = 4};
+  const Shape xga{.width = 1024, .height = 768, .segments = 39321, .levels = 54};
+  const Shape xga_levels{.width = 1024, .height = 768, .segments = 39321, .levels = 211, .blocks = 2};
+  return {
+      {"301", JobOf({}), 0.395, 0.650, 0, 2.105, 0, 0.118},
+      {"301, four frames", JobOf({.frames = 4}), 1.550, 1.120, 0, 5.703, 0, 0.560},
+      {"301, fast", JobOf({.segments = 10240}, PresetOf("fast")), 0.362, 0.428, 0, 1.573, 0, 0.111},
+      {"301, best", JobOf({}, PresetOf("best")), 0.369, 0.667, 0, 3.272, 0, 0.117},
+      {"301, n = 4", JobOf({.blocks = 4}), 0.369, 1.229, 0.215, 2.169, 0, 0.118},
+      {"301, n = 4, one full sweep", JobOf({.blocks = 4}, full), 0.350, 0.888, 0.239, 2.215, 0, 0.120},
+      {"301, paper, downscale 2", JobOf(paper, PresetOf("paper"), 2), 0.137, 14.287, 0, 0, 0, 0.014},
+      {"301, confidence", JobOf({}, confidence), 0.361, 0.636, 0, 2.170, 0.763, 0.224},
+      {"301, neighbors 4", JobOf({.levels = 67}, four_neighbours), 0.380, 1.321, 0, 1.920, 0, 0.114},
+      {"113", JobOf(xga), 1.116, 2.615, 0, 4.879, 0, 0.286},
+      {"113, refine 0", JobOf(xga_levels, levels_only), 1.067, 8.792, 0.358, 0, 0, 0.128},
+      {"117", JobOf(hd), 3.351, 6.137, 0, 12.630, 0, 0.797},
+      {"117, refine 0", JobOf(hd_levels, levels_only), 3.263, 41.383, 3.909, 0, 0, 0.366},
+  };
+}
+
+TEST(CostModel, IsRightToAFactorOfTwoForAStageAndOneAndAHalfForAJob) {
+  for (const Measured& measured : MeasuredJobs()) {
+    std::map<TaskKind, double> predicted = SecondsByStage(measured.job);
+    const std::map<TaskKind, double> expected = {
+        {TaskKind::kAnalyse, measured.analyse}, {TaskKind::kEstimate, measured.estimate},
+        {TaskKind::kMerge, measured.merge},     {TaskKind::kRefine, measured.refine},
+        {TaskKind::kAssess, measured.assess},   {TaskKind::kEmit, measured.emit}};
+    double predicted_all = 0;
+    double expected_all = 0;
+    for (const auto& [kind, seconds] : expected) {
+      const std::string stage = measured.name + ", " + TaskKindName(kind);
+      predicted_all += predicted[kind];
+      expected_all += seconds;
+      if (seconds == 0) {
+        EXPECT_EQ(predicted[kind], 0) << stage;
+        continue;
+      }
+      EXPECT_GT(predicted[kind], seconds / 2) << stage;
+      EXPECT_LT(predicted[kind], seconds * 2) << stage;
+    }
+    EXPECT_GT(predicted_all, expected_all / 1.5) << measured.name;
+    EXPECT_LT(predicted_all, expected_all * 1.5) << measured.name;
+  }
+}
+
+// Stored bytes, measured as above.
+TEST(CostModel, KnowsTheSizesOfArtifacts) {
+  struct Sizes {
+    ResolvedJob job;
+    double analyses = 0;
+    double refined = 0;
+    double files = 0;
+  };
+  for (const Sizes& measured :
+       {Sizes{JobOf({}), 2'840'760, 5'807'900, 1'791'035},
+        Sizes{JobOf({.frames = 4}), 11'368'160, 46'692'200, 7'272'630},
+        Sizes{JobOf({.segments = 10240}, PresetOf("fast")), 2'795'105, 3'452'500, 1'649'647},
+        Sizes{JobOf({.width = 1024, .height = 768, .segments = 39321}), 7'354'550, 14'881'350, 4'365'978},
+        Sizes{JobOf({.views = 6, .width = 1920, .height = 1080, .segments = 63850}), 19'910'550, 33'113'220,
+              11'113'773}}) {
+    std::map<TaskKind, std::uint64_t> bytes = BytesByStage(measured.job);
+    EXPECT_NEAR(static_cast<double>(bytes[TaskKind::kAnalyse]) / measured.analyses, 1, 0.25);
+    EXPECT_NEAR(static_cast<double>(bytes[TaskKind::kRefine]) / measured.refined, 1, 0.25);
+    EXPECT_NEAR(static_cast<double>(bytes[TaskKind::kEmit]) / measured.files, 1, 0.25);
+  }
+}
+
+// Peak of a worker that ran the job of one frame, measured as above; 52 MiB of it are the process.
+TEST(CostModel, KnowsTheMemoryOfAFrame) {
+  const auto peak_mib = [](const ResolvedJob& job) {
+    const CostModel model(job);
+    std::uint64_t peak = 0;
+    for (const TaskId& id : PlanOf(job).TasksOfGop(0)) peak = std::max(peak, model.Of(id).peak_memory_bytes);
+    return static_cast<double>(peak >> 20);
+  };
+  EXPECT_NEAR(peak_mib(JobOf({})), 129, 20);
+  EXPECT_NEAR(peak_mib(JobOf({.blocks = 4})), 122, 20);
+  EXPECT_NEAR(peak_mib(JobOf({.width = 1024, .height = 768, .segments = 39321, .levels = 54})), 234, 40);
+  const Shape hd{.views = 6, .width = 1920, .height = 1080, .segments = 63850, .levels = 77};
+  EXPECT_NEAR(peak_mib(JobOf(hd)), 512, 60);
+}
+
+TEST(CostModel, NothingGetsCheaperWhenAJobGrows) {
+  const std::vector<std::function<void(Shape&, EstimationParams&)>> larger = {
+      [](Shape& shape, EstimationParams&) { shape.width *= 2; },
+      [](Shape& shape, EstimationParams&) { shape.height += 1; },
+      [](Shape& shape, EstimationParams&) { shape.segments += 1000; },
+      [](Shape& shape, EstimationParams&) { shape.levels += 1; },
+      [](Shape& shape, EstimationParams&) { shape.views += 1; },
+      [](Shape& shape, EstimationParams&) { shape.frames += 1; },
+      [](Shape&, EstimationParams& params) { params.refine_rounds += 1; },
+      [](Shape&, EstimationParams& params) { params.choice_rounds += 1; },
+      [](Shape&, EstimationParams& params) { params.neighbours += 1; },
+      [](Shape&, EstimationParams& params) { params.confidence = true; },
+  };
+  EstimationParams three;
+  three.compared = 3;
+  for (std::size_t i = 0; i < larger.size(); ++i) {
+    const auto figures = [](const ResolvedJob& job) {
+      const CostModel model(job);
+      double seconds = 0;
+      std::uint64_t bytes = 0;
+      std::uint64_t memory = 0;
+      for (const TaskId& id : PlanOf(job).TasksOfGop(0)) {
+        seconds += model.Of(id).seconds;
+        bytes += model.Of(id).result_bytes;
+        memory = std::max(memory, model.Of(id).peak_memory_bytes);
+      }
+      return std::tuple(seconds, bytes, memory);
+    };
+    Shape shape;
+    EstimationParams params = three;
+    const auto [seconds, bytes, memory] = figures(JobOf(shape, params));
+    larger[i](shape, params);
+    const auto [more_seconds, more_bytes, more_memory] = figures(JobOf(shape, params));
+    EXPECT_GT(more_seconds, seconds) << i;
+    EXPECT_GE(more_bytes, bytes) << i;
+    EXPECT_GE(more_memory, memory) << i;
+  }
+}
+
+TEST(CostModel, ABlockIsLessWorkThanTheWholeAndAllOfThemAreMore) {
+  const TaskId block{JobId(1), 0, TaskKind::kEstimate, 0, 0};
+  const ResolvedJob whole = JobOf({});
+  const ResolvedJob parts = JobOf({.blocks = 4});
+  const TaskCost one = CostModel(whole).Of(block);
+  const TaskCost quarter = CostModel(parts).Of(block);
+  EXPECT_LT(quarter.seconds, one.seconds);
+  EXPECT_GT(4 * quarter.seconds, one.seconds);
+  EXPECT_LT(quarter.peak_memory_bytes, one.peak_memory_bytes);
+}
+
+TEST(CostModel, APFrameIsLessWorkThanAnIFrame) {
+  const ResolvedJob job = JobOf({.frames = 3});
+  const CostModel model(job);
+  for (const TaskKind kind : {TaskKind::kEstimate, TaskKind::kMerge}) {
+    EXPECT_LT(model.Of({JobId(1), 1, kind, 0, 0}).seconds, model.Of({JobId(1), 0, kind, 0, 0}).seconds);
+  }
+  for (int round = 1; round <= 4; ++round) {
+    EXPECT_LT(model.Of({JobId(1), 1, TaskKind::kRefine, round, 0}).seconds,
+              model.Of({JobId(1), 0, TaskKind::kRefine, round, 0}).seconds);
+  }
+  EXPECT_EQ(model.Of({JobId(1), 1, TaskKind::kEstimate, 0, 0}), model.Of({JobId(1), 2, TaskKind::kEstimate, 0, 0}));
+}
+
+TEST(CostModel, RenderingJobsHaveACostToo) {
+  const ResolvedJob job = PartsOnly(3);
+  EXPECT_GT(CostModel(job).Of({JobId(1), 0, TaskKind::kRender, 0, 0}).seconds, 0);
+}
+
+}  // namespace
+}  // namespace depthfarm
