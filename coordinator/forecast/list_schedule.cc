@@ -1,0 +1,228 @@
+#include "coordinator/forecast/list_schedule.h"
+
+#include <algorithm>
+#include <bit>
+#include <queue>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "coordinator/scheduling/scheduler.h"
+#include "coordinator/scheduling/task_table.h"
+
+namespace depthfarm {
+namespace {
+
+using Index = TaskGraph::Index;
+
+constexpr std::size_t kMaxCandidates = 16;  // as many as the scheduler's locality looks at
+
+// One bit for each worker.
+class WorkerSets {
+ public:
+  WorkerSets(std::size_t sets, int workers)
+      : words_(static_cast<std::size_t>(workers + 63) / 64), bits_(sets * words_) {}
+  [[nodiscard]] std::size_t words() const { return words_; }
+  [[nodiscard]] std::uint64_t word(std::size_t set, std::size_t word) const { return bits_[set * words_ + word]; }
+  void Add(std::size_t set, int worker) { Word(set, worker) |= Bit(worker); }
+  void Remove(std::size_t set, int worker) { Word(set, worker) &= ~Bit(worker); }
+  [[nodiscard]] bool Has(std::size_t set, int worker) const {
+    return (bits_[set * words_ + static_cast<std::size_t>(worker) / 64] & Bit(worker)) != 0;
+  }
+
+ private:
+  [[nodiscard]] static std::uint64_t Bit(int worker) {
+    return std::uint64_t{1} << (static_cast<unsigned>(worker) % 64);
+  }
+  [[nodiscard]] std::uint64_t& Word(std::size_t set, int worker) {
+    return bits_[set * words_ + static_cast<std::size_t>(worker) / 64];
+  }
+
+  std::size_t words_;
+  std::vector<std::uint64_t> bits_;
+};
+
+class Player {
+ public:
+  Player(const TaskGraph& graph, int workers)
+      : graph_(graph),
+        workers_(workers),
+        holders_(graph.size(), workers),
+        free_(1, workers),
+        waiting_since_(static_cast<std::size_t>(workers)),
+        local_bytes_(static_cast<std::size_t>(workers)),
+        missing_(graph.size()),
+        open_tasks_(graph.num_gops()),
+        ready_(ByUrgencyOf{&graph}) {
+    for (int worker = 0; worker < workers; ++worker) Free(worker);
+    for (Index index = 0; index < graph.size(); ++index) missing_[index] = graph.Needs(index).size();
+    Enable(0);
+  }
+
+  ListSchedule Play() {
+    Advance();
+    while (!running_.empty()) {
+      const auto [end, worker, task] = running_.top();
+      running_.pop();
+      result_.wall_seconds = end;
+      Free(worker);
+      Finish(task);
+      Advance();
+    }
+    return result_;
+  }
+
+ private:
+  struct ByUrgencyOf {
+    const TaskGraph* graph;
+    bool operator()(Index a, Index b) const { return ByUrgency()(graph->task(a), graph->task(b)); }
+  };
+  struct Running {
+    double end = 0;
+    int worker = 0;
+    Index task = 0;
+    bool operator>(const Running& other) const { return std::pair(end, worker) > std::pair(other.end, other.worker); }
+  };
+
+  void Free(int worker) {
+    free_.Add(0, worker);
+    ++num_free_;
+    waiting_since_[static_cast<std::size_t>(worker)] = next_turn_++;
+  }
+
+  [[nodiscard]] std::size_t GopOf(Index task) const {
+    std::size_t gop = 0;
+    std::size_t end = graph_.num_gops();
+    while (gop + 1 < end) {
+      const std::size_t middle = (gop + end) / 2;
+      (graph_.GopBegin(middle) <= task ? gop : end) = middle;
+    }
+    return gop;
+  }
+
+  [[nodiscard]] bool IsOfAGop(Index task) const { return task > 0 && task + 1 < graph_.size(); }
+
+  // A task that needs nothing any more is ready once its GOP is open.
+  void Enable(Index task) {
+    if (IsOfAGop(task) && task >= opened_end_) return;
+    ready_.insert(task);
+  }
+
+  void OpenGops() {
+    const SchedulerOptions options;
+    const std::size_t wanted = static_cast<std::size_t>(workers_) * static_cast<std::size_t>(options.ready_per_worker);
+    while (ready_.size() < wanted && next_gop_ < graph_.num_gops() && num_open_ < options.max_open_gops) {
+      const Index begin = graph_.GopBegin(next_gop_);
+      opened_end_ = graph_.GopBegin(next_gop_ + 1);
+      open_tasks_[next_gop_++] = opened_end_ - begin;
+      ++num_open_;
+      for (Index task = begin; task < opened_end_; ++task)
+        if (missing_[task] == 0) ready_.insert(task);
+    }
+  }
+
+  void Finish(Index task) {
+    if (IsOfAGop(task) && --open_tasks_[GopOf(task)] == 0) --num_open_;
+    for (const Index waiting : graph_.NeededBy(task))
+      if (--missing_[waiting] == 0) Enable(waiting);
+  }
+
+  void Advance() {
+    OpenGops();
+    while (num_free_ > 0 && !ready_.empty()) AssignOne();
+    OpenGops();
+    while (num_free_ > 0 && !ready_.empty()) AssignOne();
+  }
+
+  [[nodiscard]] int LongestWaiting() const {
+    int best = -1;
+    for (int worker = 0; worker < workers_; ++worker) {
+      if (!free_.Has(0, worker)) continue;
+      if (best < 0 || waiting_since_[static_cast<std::size_t>(worker)] < waiting_since_[static_cast<std::size_t>(best)])
+        best = worker;
+    }
+    return best;
+  }
+
+  // The free worker that holds most of the task's inputs, and how much; 0 bytes and no worker where none holds any.
+  std::pair<std::uint64_t, int> NearestWorker(Index task) {
+    touched_.clear();
+    for (const Index needed : graph_.Needs(task)) {
+      if (!MakesArtifact(graph_.task(needed).kind)) continue;
+      for (std::size_t word = 0; word < holders_.words(); ++word) {
+        for (std::uint64_t bits = holders_.word(needed, word) & free_.word(0, word); bits != 0; bits &= bits - 1) {
+          const int worker = static_cast<int>(word * 64) + std::countr_zero(bits);
+          std::uint64_t& bytes = local_bytes_[static_cast<std::size_t>(worker)];
+          if (bytes == 0) touched_.push_back(worker);
+          bytes += graph_.cost(needed).result_bytes;
+        }
+      }
+    }
+    std::pair<std::uint64_t, int> best{0, -1};
+    for (const int worker : touched_) {
+      const auto w = static_cast<std::size_t>(worker);
+      const std::uint64_t bytes = std::exchange(local_bytes_[w], 0);
+      const bool first =
+          best.second < 0 || bytes > best.first ||
+          (bytes == best.first && waiting_since_[w] < waiting_since_[static_cast<std::size_t>(best.second)]);
+      if (first) best = {bytes, worker};
+    }
+    return best;
+  }
+
+  void AssignOne() {
+    Index task = *ready_.begin();
+    std::pair<std::uint64_t, int> best{0, -1};
+    std::size_t candidates = 0;
+    for (auto candidate = ready_.begin(); candidate != ready_.end() && candidates < kMaxCandidates; ++candidate) {
+      if (!EquallyUrgent(graph_.task(*candidate), graph_.task(*ready_.begin()))) break;
+      ++candidates;
+      const std::pair<std::uint64_t, int> nearest = NearestWorker(*candidate);
+      if (nearest.first <= best.first) continue;
+      best = nearest;
+      task = *candidate;
+    }
+    Start(task, best.second < 0 ? LongestWaiting() : best.second);
+  }
+
+  void Start(Index task, int worker) {
+    ready_.erase(task);
+    free_.Remove(0, worker);
+    --num_free_;
+    double seconds = graph_.cost(task).seconds;
+    for (const Index needed : graph_.Needs(task)) {
+      if (!MakesArtifact(graph_.task(needed).kind) || holders_.Has(needed, worker)) continue;
+      const std::uint64_t bytes = graph_.cost(needed).result_bytes;
+      result_.moved_bytes += bytes;
+      seconds += CostModel::SecondsToRead(bytes);
+      holders_.Add(needed, worker);
+    }
+    holders_.Add(task, worker);
+    result_.cpu_seconds += seconds;
+    running_.push({result_.wall_seconds + seconds + kGrantSeconds, worker, task});
+  }
+
+  const TaskGraph& graph_;
+  const int workers_;
+  WorkerSets holders_;  // of each task's artifact
+  WorkerSets free_;
+  int num_free_ = 0;
+  std::vector<std::uint64_t> waiting_since_;
+  std::uint64_t next_turn_ = 0;
+  std::vector<std::uint64_t> local_bytes_;  // of NearestWorker; 0 between calls
+  std::vector<int> touched_;
+  std::vector<std::size_t> missing_;
+  std::vector<std::size_t> open_tasks_;  // of each GOP, not done
+  int num_open_ = 0;
+  std::size_t next_gop_ = 0;
+  Index opened_end_ = 0;
+  std::set<Index, ByUrgencyOf> ready_;
+  std::priority_queue<Running, std::vector<Running>, std::greater<>> running_;
+  ListSchedule result_;
+};
+
+}  // namespace
+
+ListSchedule PlayThrough(const TaskGraph& graph, int workers) { return Player(graph, std::max(1, workers)).Play(); }
+
+}  // namespace depthfarm
