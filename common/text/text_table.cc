@@ -44,4 +44,10 @@ std::string Decimal(double value, int decimals) {
   return text.str();
 }
 
+std::string WithThousands(std::uint64_t number) {
+  std::string digits = std::to_string(number);
+  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), ",");
+  return digits;
+}
+
 }  // namespace depthfarm

@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_TEXT_TEXT_TABLE_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <iosfwd>
 #include <string>
 #include <utility>
@@ -32,6 +33,9 @@ class TextTable {
 
 // `value` with `decimals` digits after the point; "-" for NaN, "inf" for infinity.
 [[nodiscard]] std::string Decimal(double value, int decimals);
+
+// Digits in groups of three: "1,234,567".
+[[nodiscard]] std::string WithThousands(std::uint64_t number);
 
 }  // namespace depthfarm
 

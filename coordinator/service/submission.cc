@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/text/text_table.h"
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/render_wire.h"
@@ -46,12 +47,6 @@ void ListFiles(const Sequence& sequence, PlannedJob& job) {
   }
 }
 
-std::string WithThousands(std::int64_t number) {
-  std::string text = std::to_string(number);
-  for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, ",");
-  return text;
-}
-
 // A job that renders views: the sequence and its depth are read by the workers.
 Result<PlannedJob> PlanRendering(const v1::SubmitJob& request) {
   PlannedJob job;
@@ -80,8 +75,8 @@ Result<PlannedJob> PlanEstimation(const v1::SubmitJob& request) {
 
 std::string SummaryOfViews(const std::vector<VirtualPicture>& views) {
   const Camera& first = views.front().camera;
-  return WithThousands(static_cast<std::int64_t>(views.size())) + " virtual views, " + std::to_string(first.width) +
-         "x" + std::to_string(first.height);
+  return WithThousands(views.size()) + " virtual views, " + std::to_string(first.width) + "x" +
+         std::to_string(first.height);
 }
 
 }  // namespace

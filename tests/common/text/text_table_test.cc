@@ -36,5 +36,12 @@ TEST(Decimal, SaysWhatIsNoNumber) {
   EXPECT_EQ(Decimal(std::numeric_limits<double>::infinity(), 2), "inf");
 }
 
+TEST(WithThousands, GroupsDigits) {
+  EXPECT_EQ(WithThousands(0), "0");
+  EXPECT_EQ(WithThousands(999), "999");
+  EXPECT_EQ(WithThousands(1000), "1,000");
+  EXPECT_EQ(WithThousands(1234567), "1,234,567");
+}
+
 }  // namespace
 }  // namespace depthfarm
