@@ -32,6 +32,11 @@ struct RunArguments {
   LocalFarmArguments farm;
   bool json = false;
 };
+struct PlanArguments {
+  JobArguments job;  // without an output folder
+  int workers = 0;   // 0: several, until more do not help
+  bool json = false;
+};
 struct BenchArguments {
   std::string sequence;  // empty: an arc scene is rendered, as the next three say
   std::string size = "1024x768";
@@ -78,8 +83,8 @@ struct KeygenArguments {
 };
 
 using CommandArguments =
-    std::variant<DemoArguments, RunArguments, BenchArguments, SubmitArguments, StatusArguments, WatchArguments,
-                 JobsArguments, CancelArguments, WorkersArguments, KeygenArguments>;
+    std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments, StatusArguments,
+                 WatchArguments, JobsArguments, CancelArguments, WorkersArguments, KeygenArguments>;
 
 }  // namespace depthfarm
 

@@ -55,12 +55,16 @@ void AddEstimationOptions(CLI::App& app, EstimationArguments& estimation) {
   }
 }
 
-void AddJobOptions(CLI::App& app, JobArguments& job) {
+void AddSequence(CLI::App& app, JobArguments& job) {
   app.add_option("SEQUENCE", job.sequence, "JSON file of cameras and pictures")->required()->type_name("");
+  app.add_flag("--allow-outside", job.allow_outside, "Accept picture paths that leave the folder of SEQUENCE");
+}
+
+void AddJobOptions(CLI::App& app, JobArguments& job) {
+  AddSequence(app, job);
   app.add_option("-o,--output", job.output_dir, "Output folder: DIR/depth/CAMERA/FRAME.png, DIR/depth.json")
       ->required()
       ->type_name("DIR");
-  app.add_flag("--allow-outside", job.allow_outside, "Accept picture paths that leave the folder of SEQUENCE");
   AddEstimationOptions(app, job.estimation);
 }
 
@@ -111,6 +115,27 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
       "  depthfarm run ballet/cameras.json -o out\n"
       "  depthfarm run array.json -o out --workers 8 --frames 0:50 --levels 128\n"
       "  depthfarm run array.json -o out --preset paper --level-blocks 4 --partition blocks");
+}
+
+void DefinePlan(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<PlanArguments>();
+  AddSequence(app, arguments.job);
+  app.add_option("--workers", arguments.workers, "Workers of the farm; default: 1, 2, 4, ... until more do not help")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  AddJsonFlag(app, arguments.json);
+  AddEstimationOptions(app, arguments.job.estimation);
+  app.footer(
+      "Says what run or submit would do with the same options, without doing it: what \"auto\" chooses, the tasks by "
+      "stage\n"
+      "with their CPU time, memory and bytes, the chain of tasks that takes longest, and the time on farms of "
+      "different\n"
+      "size. Needs no farm and writes nothing. Times are predictions for one core of a server of the early 2020s, "
+      "from\n"
+      "sizes and options alone; depthfarm bench measures this machine.\n"
+      "Examples:\n"
+      "  depthfarm plan array.json\n"
+      "  depthfarm plan array.json --preset paper --level-blocks 4 --workers 16 --json");
 }
 
 void DefineBench(CLI::App& app, CommandArguments& storage) {
@@ -241,6 +266,7 @@ struct Command {
 constexpr auto kCommands = std::to_array<Command>({
     {"demo", "Render a small scene, estimate its depth, measure and colour it: start here", DefineDemo},
     {"run", "Estimate depth on this machine", DefineRun},
+    {"plan", "Tasks, time, memory and bytes of a job, without running it", DefinePlan},
     {"bench", "Speed of the core on this machine, by stage and preset", DefineBench},
     {"submit", "Hand a job to a farm; prints its number", DefineSubmit},
     {"status", "State of a job", DefineStatus},

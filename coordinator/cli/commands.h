@@ -9,6 +9,7 @@ namespace depthfarm {
 // Each command: results on stdout, progress and errors on stderr, the exit code (exit_codes.h) as its result.
 [[nodiscard]] int Execute(const DemoArguments& arguments);
 [[nodiscard]] int Execute(const RunArguments& arguments);
+[[nodiscard]] int Execute(const PlanArguments& arguments);
 [[nodiscard]] int Execute(const BenchArguments& arguments);
 [[nodiscard]] int Execute(const SubmitArguments& arguments);
 [[nodiscard]] int Execute(const StatusArguments& arguments);

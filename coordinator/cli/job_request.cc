@@ -5,17 +5,12 @@
 
 #include "common/sequence/guides.h"
 #include "common/sequence/read_sequence.h"
+#include "common/text/text_table.h"
 
 namespace depthfarm {
 namespace {
 
 std::string SizeOf(const Camera& camera) { return std::to_string(camera.width) + "x" + std::to_string(camera.height); }
-
-std::string WithThousands(long number) {
-  std::string digits = std::to_string(number);
-  for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), ",");
-  return digits;
-}
 
 // The sequence with the files that guide the estimation, if any are asked for.
 Status AddGuides(const EstimationParams& params, Sequence& sequence) {
@@ -104,7 +99,7 @@ std::string DescribeJob(const ResolvedJob& job) {
          GuidesText(job);
 }
 
-Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {
+Result<JobRequest> ReadJobRequest(const JobArguments& arguments) {
   JobRequest request;
   DEPTHFARM_ASSIGN_OR_RETURN(request.params, BuildEstimationParams(arguments.estimation));
   DEPTHFARM_ASSIGN_OR_RETURN(request.sequence,
@@ -112,6 +107,11 @@ Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {
   DEPTHFARM_RETURN_IF_ERROR(AddGuides(request.params, request.sequence));
   DEPTHFARM_ASSIGN_OR_RETURN(request.resolved, ResolveJob(request.sequence, request.params));
   DEPTHFARM_RETURN_IF_ERROR(CheckPictures(request.sequence, request.resolved));
+  return request;
+}
+
+Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {
+  DEPTHFARM_ASSIGN_OR_RETURN(JobRequest request, ReadJobRequest(arguments));
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(arguments.output_dir, error);
   if (error) return InvalidArgument("output folder " + arguments.output_dir + ": " + error.message());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 
 #include "tests/system/support.h"
 
@@ -131,6 +132,45 @@ TEST(Commands, RunWritesRunJsonAndPrintsASummary) {
   EXPECT_EQ(written["state"], "done");
   EXPECT_EQ(written["workers"], 1);
   EXPECT_GT(written["wallSeconds"].get<double>(), 0);
+}
+
+TEST(Commands, PlanPrintsTheTasksThatRunDoes) {
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 3});
+  const std::string output = folder / "out";
+  const Outcome planned = Depthfarm(Words{"plan", sequence, "--json"} + SmallJob());
+  ASSERT_EQ(planned.exit_code, 0) << planned.output;
+  const nlohmann::json plan = ParseJsonTail(planned.output);
+  const Outcome ran = Depthfarm(Words{"run", sequence, "-o", output, "--workers", "1", "--json"} + SmallJob());
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  std::map<std::string, std::uint64_t> tasks_of_plan;
+  for (const nlohmann::json& stage : plan["stages"]) tasks_of_plan[stage["stage"]] = stage["tasks"];
+  std::map<std::string, std::uint64_t> tasks_of_run;
+  const nlohmann::json run = ParseJsonTail(ran.output);
+  for (const nlohmann::json& stage : run["stages"]) {
+    if (stage["tasksTotal"] > 0) tasks_of_run[stage["stage"]] = stage["tasksTotal"];
+  }
+  EXPECT_EQ(tasks_of_plan, tasks_of_run);
+  EXPECT_GT(plan["criticalPath"]["seconds"].get<double>(), 0);
+  EXPECT_GE(plan["farms"][0]["wallSeconds"].get<double>(), plan["criticalPath"]["seconds"].get<double>());
+
+  const Outcome text = Depthfarm(Words{"plan", sequence, "--workers", "3"} + SmallJob());
+  EXPECT_EQ(text.exit_code, 0) << text.output;
+  EXPECT_THAT(text.output, AllOf(HasSubstr("estimate"), HasSubstr("critical path"), HasSubstr("wall time")));
+}
+
+TEST(ExitCodes, PlanRefusesWhatRunRefuses) {
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 1});
+  const auto expect_refused = [&](const Words& words, const std::string& reason) {
+    const Outcome outcome = Depthfarm(words);
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr(reason));
+  };
+  expect_refused({"plan", folder / "none.json"}, "none.json");
+  expect_refused({"plan", sequence, "--levels", "1"}, "levels is 1");
+  expect_refused({"plan", sequence, "--frames", "0:9"}, "frames");
+  expect_refused({"plan", sequence, "-o", folder / "out"}, "-o");
 }
 
 TEST(ExitCodes, BadInputIsTwoBeforeAnythingIsStarted) {

@@ -59,6 +59,21 @@ TEST(CommandLine, RunTakesEveryEstimationOption) {
   }
 }
 
+TEST(CommandLine, PlanTakesTheOptionsOfAJobButNoOutput) {
+  const auto plan = Parsed<PlanArguments>(
+      {"plan", "array.json", "--allow-outside", "--preset", "fast", "--frames", "0:5", "--workers", "16", "--json"});
+  EXPECT_EQ(plan.job.sequence, "array.json");
+  EXPECT_TRUE(plan.job.allow_outside);
+  EXPECT_EQ(plan.job.estimation.preset, "fast");
+  EXPECT_EQ(plan.job.estimation.values.size(), 1U);
+  EXPECT_EQ(plan.workers, 16);
+  EXPECT_TRUE(plan.json);
+  EXPECT_EQ(Parsed<PlanArguments>({"plan", "array.json"}).workers, 0);
+  EXPECT_EQ(Exit({"plan", "array.json", "-o", "out"}).code, kExitBadInput);
+  EXPECT_EQ(Exit({"plan"}).code, kExitBadInput);
+  EXPECT_EQ(Exit({"plan", "array.json", "--workers", "0"}).code, kExitBadInput);
+}
+
 TEST(CommandLine, BenchNeedsNothingAndTakesASequenceOrAScene) {
   const auto plain = Parsed<BenchArguments>({"bench"});
   EXPECT_EQ(plain.sequence, "");
