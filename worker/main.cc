@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <set>
 #include <string>
 
 #include "common/log/log.h"
@@ -142,6 +143,13 @@ int main(int argc, char** argv) {
   app.add_option("--ahead", options.ahead, "tasks taken besides, whose inputs are fetched meanwhile")
       ->check(CLI::Range(0, kMaxWorkerSlots))
       ->capture_default_str();
+  app.add_option(
+         "--task-memory", options.task_memory_bytes,
+         "memory for tasks: a task whose predicted need does not fit beside the others goes elsewhere or waits; "
+         "default: that of the machine or its control group, less --memory")
+      ->transform(CLI::AsSizeValue(false));
+  app.add_option("--tags", options.tags, "what this worker has, for jobs submitted with --require, e.g. fast,room2")
+      ->delimiter(',');
   app.add_option("--name", options.name, "name on the farm; default: host:process:random");
   app.add_option("--artifact-listen", options.artifact_listen,
                  "endpoint for other workers; default: beside the coordinator's ipc socket, else a free tcp port");
@@ -155,6 +163,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitOk : kExitBadUsage;
   }
+  const Result<std::set<std::string>> tags = CheckTags("--tags", options.tags);
+  if (!tags.ok()) return Fail(tags.status(), kExitBadUsage);
   options.keys = keys;
   options.cache_dir = cache_dir;
   if (give_up_seconds > 0) options.give_up = Milliseconds(static_cast<std::int64_t>(give_up_seconds * 1000));

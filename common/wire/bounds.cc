@@ -59,4 +59,19 @@ Status CheckText(std::string_view field, std::string_view text, std::int64_t max
   return {};
 }
 
+Result<std::set<std::string>> CheckTags(std::string_view field, const std::vector<std::string>& tags) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckCount(field, static_cast<std::int64_t>(tags.size()), kMaxTags));
+  std::set<std::string> checked;
+  for (const std::string& tag : tags) {
+    DEPTHFARM_RETURN_IF_ERROR(CheckText(field, tag, kMaxTagBytes));
+    const bool legal = !tag.empty() && std::ranges::all_of(tag, [](unsigned char c) {
+      return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_' ||
+             c == '.' || c == ':';
+    });
+    if (!legal) return Bad(field, "has '" + tag + "', expected letters, digits, '-', '_', '.' and ':'");
+    if (!checked.insert(tag).second) return Bad(field, "has '" + tag + "' twice");
+  }
+  return checked;
+}
+
 }  // namespace depthfarm

@@ -2,8 +2,10 @@
 #define DEPTHFARM_COMMON_WIRE_BOUNDS_H_
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/base/status.h"
 
@@ -17,6 +19,8 @@ inline constexpr int kMaxInputs = 4 * kMaxViews;
 inline constexpr int kMaxPathBytes = 4096;
 inline constexpr int kMaxNameBytes = 200;
 inline constexpr int kMaxWorkerSlots = 1024;  // and tasks taken ahead
+inline constexpr int kMaxTags = 32;           // of a worker, or asked for by a job
+inline constexpr int kMaxTagBytes = 64;
 inline constexpr int kMaxLocations = 64;
 inline constexpr std::uint64_t kMaxArtifactBytes = std::uint64_t{1} << 36;
 
@@ -30,6 +34,9 @@ inline constexpr std::uint64_t kMaxArtifactBytes = std::uint64_t{1} << 36;
 [[nodiscard]] Status CheckFileName(std::string_view field, std::string_view name);
 // Text for people: at most `max_bytes`, no control characters.
 [[nodiscard]] Status CheckText(std::string_view field, std::string_view text, std::int64_t max_bytes);
+
+// Of a worker or a job: at most kMaxTags of 1 to kMaxTagBytes letters, digits, '-', '_', '.', ':'; without repeats.
+[[nodiscard]] Result<std::set<std::string>> CheckTags(std::string_view field, const std::vector<std::string>& tags);
 
 }  // namespace depthfarm
 

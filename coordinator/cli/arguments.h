@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "coordinator/cli/estimation_options.h"
 #include "coordinator/cli/farm_options.h"
@@ -53,6 +54,7 @@ struct SubmitArguments {
   FarmArguments farm;
   int priority = 0;
   std::string name;  // empty: the sequence's
+  std::vector<std::string> required_tags;
   bool wait = false;
   bool json = false;
 };
@@ -78,13 +80,21 @@ struct WorkersArguments {
   FarmArguments farm;
   bool json = false;
 };
+struct DrainArguments {
+  FarmArguments farm;
+  std::string worker;
+};
+struct VerifyArguments {
+  std::string directory;
+  bool json = false;
+};
 struct KeygenArguments {
   std::string output_dir;
 };
 
-using CommandArguments =
-    std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments, StatusArguments,
-                 WatchArguments, JobsArguments, CancelArguments, WorkersArguments, KeygenArguments>;
+using CommandArguments = std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments,
+                                      StatusArguments, WatchArguments, JobsArguments, CancelArguments, WorkersArguments,
+                                      DrainArguments, VerifyArguments, KeygenArguments>;
 
 }  // namespace depthfarm
 

@@ -197,6 +197,10 @@ void DefineSubmit(CLI::App& app, CommandArguments& storage) {
       ->check(CLI::Range(-1000, 1000))
       ->capture_default_str();
   app.add_option("--name", arguments.name, "Name of the job; default: the sequence's")->type_name("S");
+  app.add_option("--require", arguments.required_tags,
+                 "Only workers with all of these tags (their --tags) get its tasks")
+      ->type_name("TAG,...")
+      ->delimiter(',');
   app.add_flag("--wait", arguments.wait, "Wait for the end of the job, showing progress");
   AddJsonFlag(app, arguments.json);
   app.footer(
@@ -245,6 +249,26 @@ void DefineWorkers(CLI::App& app, CommandArguments& storage) {
   app.footer("Example: depthfarm workers --json");
 }
 
+void DefineDrain(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<DrainArguments>();
+  app.add_option("WORKER", arguments.worker, "Its name, as depthfarm workers tells")->required()->type_name("");
+  AddFarmOptions(app, arguments.farm);
+  app.footer(
+      "The worker gets no more tasks and ends when it is done with those it has. Takes a key of role admin.\n"
+      "Example: depthfarm drain render07:4711-93");
+}
+
+void DefineVerify(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<VerifyArguments>();
+  app.add_option("DIR", arguments.directory, "Output folder of a job")->required()->type_name("");
+  AddJsonFlag(app, arguments.json);
+  app.footer(
+      "Reads every file that depth.json and views.json name and compares its SHA-256; says what is missing, changed "
+      "or\n"
+      "not of the job that wrote them. Exit code 0: all is right; 1: it is not; 2: no job finished there.\n"
+      "Example: depthfarm verify /shared/out");
+}
+
 void DefineKeygen(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<KeygenArguments>();
   app.add_option("-o,--output", arguments.output_dir, "Folder for the keys; must not hold keys yet")
@@ -274,6 +298,8 @@ constexpr auto kCommands = std::to_array<Command>({
     {"jobs", "All jobs of a farm", DefineJobs},
     {"cancel", "End a job", DefineCancel},
     {"workers", "Workers of a farm", DefineWorkers},
+    {"drain", "End a worker when it is done with its tasks", DefineDrain},
+    {"verify", "Check an output folder against its digests", DefineVerify},
     {"keygen", "Make the keys of a farm", DefineKeygen},
 });
 

@@ -17,6 +17,8 @@ namespace depthfarm {
 [[nodiscard]] int Execute(const JobsArguments& arguments);
 [[nodiscard]] int Execute(const CancelArguments& arguments);
 [[nodiscard]] int Execute(const WorkersArguments& arguments);
+[[nodiscard]] int Execute(const DrainArguments& arguments);
+[[nodiscard]] int Execute(const VerifyArguments& arguments);
 [[nodiscard]] int Execute(const KeygenArguments& arguments);
 
 // Says on stderr what failed and returns the exit code for it.

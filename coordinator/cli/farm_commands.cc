@@ -59,7 +59,8 @@ int Execute(const SubmitArguments& arguments) {
                                                                .params = request->params,
                                                                .output_dir = request->output_dir,
                                                                .name = name,
-                                                               .priority = arguments.priority});
+                                                               .priority = arguments.priority,
+                                                               .required_tags = arguments.required_tags});
   if (!job_id.ok()) return FailAsking(job_id.status());
   if (arguments.wait) return WatchToTheEnd(*client.value(), *job_id, arguments.json);
   if (arguments.json) {
@@ -125,6 +126,14 @@ int Execute(const WorkersArguments& arguments) {
   for (const v1::WorkerStatus& worker : *workers) list.push_back(WorkerToJson(worker));
   std::cout << list.dump(2) << "\n";
   return kExitOk;
+}
+
+int Execute(const DrainArguments& arguments) {
+  CatchInterruptions();
+  const Result<std::unique_ptr<Client>> client = ConnectTo(arguments.farm);
+  if (!client.ok()) return FailAsking(client.status());
+  const Status drained = client.value()->Drain(arguments.worker);
+  return drained.ok() ? kExitOk : FailAsking(drained);
 }
 
 int Execute(const KeygenArguments& arguments) {

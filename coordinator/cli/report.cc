@@ -47,6 +47,24 @@ std::string FramesText(const v1::JobStatus& job) {
   return std::to_string(job.frames_done()) + "/" + std::to_string(job.frames_total());
 }
 
+std::string Joined(const google::protobuf::RepeatedPtrField<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ",") + word;
+  return text;
+}
+
+std::vector<std::string> Words(const google::protobuf::RepeatedPtrField<std::string>& words) {
+  return {words.begin(), words.end()};
+}
+
+// What was there already, of the tasks that make an artifact; nothing if nothing was.
+std::string ReusedText(const v1::JobStatus& job) {
+  std::uint64_t reused = 0;
+  for (const v1::StageStatus& stage : job.stages()) reused += stage.reused();
+  if (reused == 0) return {};
+  return "  reused " + std::to_string(reused) + " of " + std::to_string(CountTasks(job).total) + " tasks\n";
+}
+
 }  // namespace
 
 std::string JobStateName(v1::JobState state) {
@@ -116,7 +134,9 @@ OrderedJson JobToJson(const v1::JobStatus& job) {
           {"determinismViolations", job.determinism_violations()},
           {"summary", job.summary()},
           {"outputDir", job.output_dir()},
-          {"running", std::vector<std::string>(job.running().begin(), job.running().end())},
+          {"requiredTags", Words(job.required_tags())},
+          {"lacksWorker", job.lacks_worker()},
+          {"running", Words(job.running())},
           {"stages", stages}};
 }
 
@@ -125,6 +145,10 @@ OrderedJson WorkerToJson(const v1::WorkerStatus& worker) {
           {"name", worker.name()},
           {"version", worker.software_version()},
           {"running", worker.running()},
+          {"tasks", worker.tasks()},
+          {"slots", worker.slots()},
+          {"draining", worker.draining()},
+          {"tags", Words(worker.tags())},
           {"secondsSinceHeard", worker.seconds_since_heard()},
           {"tasksDone", worker.tasks_done()},
           {"artifacts", worker.artifacts()},
@@ -137,6 +161,7 @@ std::string FormatJob(const v1::JobStatus& job) {
   if (job.has_error() && job.error().code() != v1::CODE_OK) text += "  reason: " + job.error().message() + "\n";
   if (!job.summary().empty()) text += "  " + job.summary() + "\n";
   text += "  output: " + job.output_dir() + "\n";
+  text += ReusedText(job);
   if (job.retries() > 0) text += "  retries: " + std::to_string(job.retries()) + "\n";
   if (job.determinism_violations() > 0) {
     text += "  DETERMINISM VIOLATIONS: " + std::to_string(job.determinism_violations()) +
@@ -153,6 +178,7 @@ std::string FormatJob(const v1::JobStatus& job) {
                     FormatBytes(static_cast<double>(stage.fetched_bytes())), std::to_string(stage.reused())});
   }
   if (rows.size() > 1) text += FormatTable(rows, {false, true, true, true, true, true, true});
+  if (job.lacks_worker()) text += "  waits for a worker with the tags " + Joined(job.required_tags()) + "\n";
   for (const std::string& task : job.running()) text += "  running: " + task + "\n";
   return text;
 }
@@ -168,14 +194,16 @@ std::string FormatJobs(const std::vector<v1::JobStatus>& jobs) {
 }
 
 std::string FormatWorkers(const std::vector<v1::WorkerStatus>& workers) {
-  std::vector<std::vector<std::string>> rows = {{"worker", "name", "version", "heard", "done", "cache", "running"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"worker", "name", "version", "heard", "done", "cache", "tasks", "tags", "running"}};
   for (const v1::WorkerStatus& worker : workers) {
     rows.push_back({std::to_string(worker.worker_id()), worker.name(), worker.software_version(),
                     FormatDuration(worker.seconds_since_heard()) + " ago", std::to_string(worker.tasks_done()),
                     FormatBytes(static_cast<double>(worker.artifact_bytes())),
-                    worker.running().empty() ? "idle" : worker.running()});
+                    std::to_string(worker.tasks()) + "/" + std::to_string(worker.slots()), Joined(worker.tags()),
+                    (worker.draining() ? "draining: " : "") + (worker.running().empty() ? "idle" : worker.running())});
   }
-  return FormatTable(rows, {true, false, false, true, true, true, false});
+  return FormatTable(rows, {true, false, false, true, true, true, true, false, false});
 }
 
 std::string FormatProgress(const v1::JobStatus& job) {

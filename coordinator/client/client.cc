@@ -89,6 +89,7 @@ Result<std::uint64_t> Client::Submit(const JobSubmission& submission) {
   submit.set_output_dir(submission.output_dir);
   submit.set_name(submission.name);
   submit.set_priority(submission.priority);
+  for (const std::string& tag : submission.required_tags) submit.add_required_tags(tag);
   DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobAccepted));
   return answer.job_accepted().job_id();
 }
@@ -118,6 +119,12 @@ Result<std::vector<v1::WorkerStatus>> Client::ListWorkers() {
   question.mutable_list_workers();
   DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kWorkerList));
   return ToVector(answer.worker_list().workers());
+}
+
+Status Client::Drain(const std::string& worker) {
+  v1::Envelope question;
+  question.mutable_drain_worker()->set_name(worker);
+  return Ask(std::move(question), v1::Envelope::kDone).status();
 }
 
 Status Client::StopCoordinator() {

@@ -45,6 +45,7 @@ struct JobSubmission {
   std::string output_dir;
   std::string name;
   int priority = 0;
+  std::vector<std::string> required_tags = {};
   // Set: views are rendered; of the sequence its name and file count, of `params` nothing.
   std::optional<RenderSubmission> render = std::nullopt;
 };
@@ -67,6 +68,8 @@ class Client {
   [[nodiscard]] Result<std::vector<v1::JobStatus>> ListJobs();
   [[nodiscard]] Status Cancel(std::uint64_t job_id);
   [[nodiscard]] Result<std::vector<v1::WorkerStatus>> ListWorkers();
+  // By the name that ListWorkers tells.
+  [[nodiscard]] Status Drain(const std::string& worker);
   [[nodiscard]] Status StopCoordinator();
 
  private:

@@ -110,7 +110,7 @@ class Player {
 
   void OpenGops() {
     const SchedulerOptions options;
-    const std::size_t wanted = static_cast<std::size_t>(workers_) * static_cast<std::size_t>(options.ready_per_worker);
+    const std::size_t wanted = static_cast<std::size_t>(workers_) * static_cast<std::size_t>(options.ready_per_slot);
     while (ready_.size() < wanted && next_gop_ < graph_.num_gops() && num_open_ < options.max_open_gops) {
       const Index begin = graph_.GopBegin(next_gop_);
       opened_end_ = graph_.GopBegin(next_gop_ + 1);

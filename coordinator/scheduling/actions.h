@@ -52,6 +52,10 @@ struct WorkerLost {
   WorkerId worker;
   std::string name;
 };
+// The worker was drained and has no task left: tell it to end.
+struct EndWorker {
+  WorkerId worker;
+};
 // Something worth a log line.
 struct Note {
   enum class Severity { kInfo, kWarning, kError };
@@ -60,7 +64,8 @@ struct Note {
   std::vector<std::pair<std::string, std::string>> fields;
 };
 
-using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, ForgetJob, JobEnded, WorkerLost, Note>;
+using Action =
+    std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, ForgetJob, JobEnded, WorkerLost, EndWorker, Note>;
 
 }  // namespace depthfarm
 

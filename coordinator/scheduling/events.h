@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -23,10 +24,16 @@ using Milliseconds = std::chrono::milliseconds;
 struct JobSubmitted {
   PlannedJob job;
   std::string name;
-  int priority = 0;  // larger first
+  int priority = 0;                 // larger first
+  std::set<std::string> tags = {};  // that a worker must have
 };
 struct JobCancelled {
   JobId job;
+};
+
+// A worker shall get no more tasks, and end when it has none.
+struct WorkerDrained {
+  WorkerId worker;
 };
 
 // ---- what workers cause ----
@@ -37,8 +44,10 @@ struct WorkerJoined {
   std::string name;
   std::vector<ArtifactInfo> artifacts;
   std::vector<LeaseId> running;
-  int slots = 1;  // tasks that it computes at a time
-  int ahead = 0;  // tasks that it takes besides, to fetch their inputs meanwhile
+  int slots = 1;                   // tasks that it computes at a time
+  int ahead = 0;                   // tasks that it takes besides, to fetch their inputs meanwhile
+  std::uint64_t memory_bytes = 0;  // for its tasks; 0: no bound
+  std::set<std::string> tags = {};
 };
 // It has room for one more task.
 struct WorkerAsked {
@@ -76,8 +85,8 @@ struct WorkerLeft {
   WorkerId worker;
 };
 
-using Event = std::variant<JobSubmitted, JobCancelled, WorkerJoined, WorkerAsked, WorkerHeard, TaskFinished, TaskFailed,
-                           ArtifactsDropped, WorkerLeft>;
+using Event = std::variant<JobSubmitted, JobCancelled, WorkerDrained, WorkerJoined, WorkerAsked, WorkerHeard,
+                           TaskFinished, TaskFailed, ArtifactsDropped, WorkerLeft>;
 
 }  // namespace depthfarm
 

@@ -27,7 +27,11 @@ std::vector<WorkerId> HoldersToTell(const ArtifactDirectory& directory, const Ar
 }
 
 JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks)
-    : plan_(std::move(job)), keys_(plan_.job().config), directory_(directory), max_setbacks_(max_setbacks) {
+    : plan_(std::move(job)),
+      keys_(plan_.job().config),
+      costs_(plan_.resolved()),
+      directory_(directory),
+      max_setbacks_(max_setbacks) {
   const auto frames = static_cast<std::size_t>(plan_.resolved().num_frames);
   done_files_.resize(frames);
   picture_digests_.resize(frames * plan_.resolved().views.size());

@@ -11,6 +11,7 @@
 
 #include "common/base/status.h"
 #include "coordinator/planning/artifact_keys.h"
+#include "coordinator/planning/cost_model.h"
 #include "coordinator/planning/job_plan.h"
 #include "coordinator/scheduling/actions.h"
 #include "coordinator/scheduling/artifact_directory.h"
@@ -32,6 +33,8 @@ class JobProgress {
  public:
   // `directory` must outlive the job. Prepare is ready from the start.
   JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks);
+  JobProgress(const JobProgress&) = delete;
+  JobProgress& operator=(const JobProgress&) = delete;
 
   [[nodiscard]] const JobPlan& plan() const { return plan_; }
   [[nodiscard]] const TaskTable& table() const { return table_; }
@@ -44,6 +47,8 @@ class JobProgress {
   // What names the work of a task whose prerequisites are done: its output key, of Analyse its request; of other kinds
   // nothing.
   [[nodiscard]] std::optional<ArtifactKey> WorkOf(const TaskId& id) const;
+  // That the task is expected to take (CostModel).
+  [[nodiscard]] std::uint64_t MemoryOf(const TaskId& id) const { return costs_.Of(id).peak_memory_bytes; }
   // Leases a ready task, if its inputs are still there; else it (or what it needs) is put back and the result is empty.
   [[nodiscard]] std::optional<GrantedTask> Take(const TaskId& id, LeaseId lease);
   // A leased task goes back to be done again; nothing for a task that is not leased.
@@ -107,6 +112,7 @@ class JobProgress {
 
   JobPlan plan_;
   ArtifactKeys keys_;
+  CostModel costs_;  // of plan_
   const ArtifactDirectory& directory_;
   const int max_setbacks_;
   TaskTable table_;

@@ -15,7 +15,7 @@ namespace depthfarm {
 struct TaskCandidate {
   TaskId task;
   std::map<WorkerId, std::uint64_t> local_bytes;  // how much of its inputs a worker holds
-  std::set<WorkerId> avoid;                       // workers on which it failed, if there are others
+  std::set<WorkerId> avoid;                       // without its tags or memory; or it failed there, if there are others
 };
 
 struct Placement {

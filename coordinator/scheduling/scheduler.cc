@@ -175,6 +175,13 @@ void Scheduler::On(const ArtifactsDropped& event) {
   LoseArtifacts(lost);
 }
 
+void Scheduler::On(const WorkerDrained& event) {
+  Worker* worker = workers_.Find(event.worker);
+  if (worker == nullptr || worker->draining) return;
+  worker->draining = true;
+  AddNote(Note::Severity::kInfo, "worker_drained", {{"worker", Number(event.worker.value())}, {"name", worker->name}});
+}
+
 void Scheduler::On(const WorkerLeft& event) {
   if (Worker* worker = workers_.Find(event.worker)) RemoveWorker(*worker, nullptr);
 }
@@ -250,8 +257,16 @@ bool Scheduler::empty() const {
 std::vector<WorkerSnapshot> Scheduler::Workers() const {
   std::vector<WorkerSnapshot> snapshots;
   for (const auto& [id, worker] : workers_.workers()) {
-    WorkerSnapshot snapshot{
-        id, worker.name, {}, worker.last_heard, worker.tasks_done, directory_.Count(id), directory_.Bytes(id)};
+    WorkerSnapshot snapshot;
+    snapshot.id = id;
+    snapshot.name = worker.name;
+    snapshot.slots = worker.slots;
+    snapshot.draining = worker.draining;
+    snapshot.tags = worker.tags;
+    snapshot.last_heard = worker.last_heard;
+    snapshot.tasks_done = worker.tasks_done;
+    snapshot.artifacts = directory_.Count(id);
+    snapshot.artifact_bytes = directory_.Bytes(id);
     for (const LeaseId lease : worker.leases) snapshot.running.push_back(workers_.leases().at(lease).task);
     snapshots.push_back(std::move(snapshot));
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,6 +63,7 @@ class Scheduler {
   struct JobRecord {
     std::string name;
     int priority = 0;
+    std::set<std::string> tags;    // that a worker must have
     std::uint64_t last_grant = 0;  // number of its newest lease
     TimePoint submitted;
     std::unique_ptr<JobProgress> progress;
@@ -75,6 +77,7 @@ class Scheduler {
 
   void On(const JobSubmitted& event);
   void On(const JobCancelled& event);
+  void On(const WorkerDrained& event);
   void On(const WorkerJoined& event);
   void On(const WorkerAsked& event);
   void On(const WorkerHeard& event);
@@ -99,6 +102,7 @@ class Scheduler {
   void EndJobBadly(JobId id, JobState state, const Status& error);
   void ReleaseArtifactsOf(JobRecord& job);
   void AdvanceEndings();
+  void EndDrainedWorkers();
   void OpenGops();
   void Assign();
   // All jobs, next to be served first.

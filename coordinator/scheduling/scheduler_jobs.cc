@@ -23,6 +23,7 @@ void Scheduler::On(const JobSubmitted& event) {
   JobRecord& job = jobs_[id];
   job.name = event.name;
   job.priority = event.priority;
+  job.tags = event.tags;
   job.submitted = now_;
   job.progress = std::make_unique<JobProgress>(event.job, directory_, options_.max_setbacks);
   AddNote(Note::Severity::kInfo, "job_submitted",
@@ -152,6 +153,12 @@ void Scheduler::AdvanceEndings() {
   for (const JobId id : over) EndJob(id, jobs_.at(id).ending);
 }
 
+void Scheduler::EndDrainedWorkers() {
+  for (const auto& [id, worker] : workers_.workers()) {
+    if (worker.draining && worker.leases.empty()) actions_.emplace_back(EndWorker{id});
+  }
+}
+
 void Scheduler::OpenGops() {
   const std::size_t wanted =
       std::max<std::size_t>(1, workers_.num_slots() * static_cast<std::size_t>(options_.ready_per_slot));
@@ -236,6 +243,11 @@ TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task) const {
   const bool others = std::any_of(workers_.workers().begin(), workers_.workers().end(),
                                   [&](const auto& entry) { return !failed_on.contains(entry.first); });
   if (others) candidate.avoid = failed_on;
+  const std::uint64_t memory = job.progress->MemoryOf(task);
+  for (const auto& [id, worker] : workers_.workers()) {
+    if (!std::ranges::includes(worker.tags, job.tags) || !workers_.HasMemory(worker, memory))
+      candidate.avoid.insert(id);
+  }
   return candidate;
 }
 
@@ -277,7 +289,8 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
                                               .worker = worker.id,
                                               .expires = now_ + options_.lease,
                                               .told = {},
-                                              .work = job.progress->WorkOf(placement.task)});
+                                              .work = job.progress->WorkOf(placement.task),
+                                              .memory_bytes = job.progress->MemoryOf(placement.task)});
   for (std::size_t i = 0; i < task->spec.inputs.size(); ++i) {
     lease.told.emplace_back(task->spec.inputs[i].artifact.key, task->holders[i]);
   }
@@ -328,6 +341,8 @@ JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
   for (const auto& [lease_id, lease] : workers_.leases()) {
     if (lease.task.job == id) snapshot.running.push_back({lease.task, lease.worker, workers_.Find(lease.worker)->name});
   }
+  snapshot.tags = job.tags;
+  snapshot.lacks_worker = !workers_.AnyWith(job.tags);
   snapshot.retries = job.retries;
   snapshot.determinism_violations = job.violations;
   snapshot.submitted = job.submitted;
@@ -348,6 +363,7 @@ std::vector<JobSnapshot> Scheduler::Jobs() const {
 
 void Scheduler::Advance() {
   AdvanceEndings();
+  EndDrainedWorkers();
   OpenGops();
   Assign();
   OpenGops();  // what Assign took is not ready any more

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct JobSnapshot {
   int frames_total = 0;
   std::array<StageSnapshot, kNumTaskKinds> stages;  // by TaskKind
   std::vector<RunningTask> running;
+  std::set<std::string> tags;  // that its workers must have
+  bool lacks_worker = false;   // there is none with these tags
   std::uint64_t retries = 0;
   std::uint64_t determinism_violations = 0;
   TimePoint submitted;
@@ -50,6 +53,9 @@ struct JobSnapshot {
 struct WorkerSnapshot {
   WorkerId id;
   std::string name;
+  int slots = 1;
+  bool draining = false;
+  std::set<std::string> tags;
   std::vector<TaskId> running;
   TimePoint last_heard;
   std::uint64_t tasks_done = 0;

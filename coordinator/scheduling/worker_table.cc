@@ -10,6 +10,8 @@ Worker& WorkerTable::Join(const WorkerJoined& event, TimePoint now) {
   worker.name = event.name;
   worker.slots = event.slots;
   worker.ahead = event.ahead;
+  worker.memory_bytes = event.memory_bytes;
+  worker.tags = event.tags;
   worker.last_heard = now;
   worker.ask.reset();
   worker.known_jobs.clear();
@@ -56,10 +58,32 @@ int WorkerTable::LeasesOf(JobId job) const {
 }
 
 WorkerTable::Room WorkerTable::RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const {
-  if (!worker.ask || now - worker.ask->received >= max_age) return Room::kNone;
+  if (worker.draining || !worker.ask || now - worker.ask->received >= max_age) return Room::kNone;
   const auto tasks = std::ranges::count_if(worker.leases, [&](LeaseId id) { return !leases_.at(id).revoked; });
   if (tasks < worker.slots) return Room::kSlot;
   return tasks < worker.slots + worker.ahead ? Room::kAhead : Room::kNone;
+}
+
+bool WorkerTable::HasMemory(const Worker& worker, std::uint64_t bytes) const {
+  if (worker.memory_bytes == 0) return true;
+  std::uint64_t taken = 0;
+  bool alone = true;
+  for (const LeaseId id : worker.leases) {
+    const Lease& lease = leases_.at(id);
+    taken += lease.memory_bytes;
+    alone = alone && lease.revoked;
+  }
+  if (taken + bytes <= worker.memory_bytes) return true;
+  const bool fits_somewhere = std::ranges::any_of(workers_, [&](const auto& entry) {
+    return entry.second.memory_bytes == 0 || entry.second.memory_bytes >= bytes;
+  });
+  return alone && !fits_somewhere;
+}
+
+bool WorkerTable::AnyWith(const std::set<std::string>& tags) const {
+  return std::ranges::any_of(workers_, [&](const auto& entry) {
+    return !entry.second.draining && std::ranges::includes(entry.second.tags, tags);
+  });
 }
 
 std::size_t WorkerTable::num_slots() const {

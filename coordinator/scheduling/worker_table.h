@@ -17,8 +17,11 @@ namespace depthfarm {
 struct Worker {
   WorkerId id;
   std::string name;
-  int slots = 1;  // tasks that it computes at a time
-  int ahead = 0;  // tasks that it takes besides
+  int slots = 1;                   // tasks that it computes at a time
+  int ahead = 0;                   // tasks that it takes besides
+  std::uint64_t memory_bytes = 0;  // for its tasks; 0: no bound
+  std::set<std::string> tags;
+  bool draining = false;
   TimePoint last_heard;
   struct Ask {
     std::uint64_t id = 0;
@@ -37,6 +40,7 @@ struct Lease {
   TimePoint expires;
   std::vector<std::pair<ArtifactKey, std::vector<WorkerId>>> told;  // where the worker was told to find its inputs
   std::optional<ArtifactKey> work;                                  // JobProgress::WorkOf
+  std::uint64_t memory_bytes = 0;                                   // that the task is expected to take
   bool revoked = false;  // its result is not wanted; it counts until the worker is known to have stopped
 };
 
@@ -66,6 +70,11 @@ class WorkerTable {
     kSlot,   // a task that it computes at once
   };
   [[nodiscard]] Room RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const;
+  // Whether the worker has memory for one more task of this size: beside those it has, or, if no worker is large enough
+  // for it, alone.
+  [[nodiscard]] bool HasMemory(const Worker& worker, std::uint64_t bytes) const;
+  // Whether any worker has all of the tags.
+  [[nodiscard]] bool AnyWith(const std::set<std::string>& tags) const;
   // How many tasks all workers compute at a time.
   [[nodiscard]] std::size_t num_slots() const;
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <random>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -53,8 +54,9 @@ bool IsFromWorker(const v1::Envelope& envelope) {
 Status CheckRole(const std::string& user_id, bool has_keys, const v1::Envelope& envelope) {
   if (!has_keys) return {};
   DEPTHFARM_ASSIGN_OR_RETURN(const Role role, RoleOfUser(user_id));
-  const bool stops = envelope.body_case() == v1::Envelope::kStopCoordinator;
-  bool allowed = role == Role::kAdmin || (role == Role::kSubmit && !stops);
+  const bool administers =
+      envelope.body_case() == v1::Envelope::kStopCoordinator || envelope.body_case() == v1::Envelope::kDrainWorker;
+  bool allowed = role == Role::kAdmin || (role == Role::kSubmit && !administers);
   if (IsFromWorker(envelope)) allowed = role == Role::kWork;
   if (allowed) return {};
   return InvalidArgument("a key of role " + std::string(RoleName(role)) + " may not send " + BodyName(envelope));
@@ -232,8 +234,9 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
                          {hello.artifact_endpoint(), hello.artifact_public_key()}};
   };
   Result<WorkerSession> session = check();
-  if (!session.ok()) {
-    Refuse(message, 0, session.status());
+  Result<std::set<std::string>> tags = CheckTags("worker tags", {hello.tags().begin(), hello.tags().end()});
+  if (!session.ok() || !tags.ok()) {
+    Refuse(message, 0, session.ok() ? tags.status() : session.status());
     return;
   }
   const WorkerSession* before = workers_.FindPeer(message.peer);
@@ -248,7 +251,9 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
                      {},
                      LeasesFromProto(hello.running_leases()),
                      std::max(1, static_cast<int>(hello.slots())),
-                     static_cast<int>(hello.tasks_ahead())};
+                     static_cast<int>(hello.tasks_ahead()),
+                     hello.memory_bytes(),
+                     std::move(tags).value()};
   for (const v1::ArtifactInfo& artifact : hello.artifacts()) {
     const Result<ArtifactInfo> parsed = FromProto(artifact);
     if (parsed.ok()) event.artifacts.push_back(*parsed);
@@ -303,6 +308,8 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
       return Cancel(JobId(request.cancel_job().job_id()));
     case v1::Envelope::kListWorkers:
       return ListWorkers();
+    case v1::Envelope::kDrainWorker:
+      return Drain(request.drain_worker().name());
     case v1::Envelope::kStopCoordinator: {
       v1::Envelope answer;
       answer.mutable_done();
@@ -321,9 +328,11 @@ Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
     return InvalidArgument("job " + std::to_string(other->value()) + " writes to " + job.config.output_dir +
                            ": wait for it, cancel it, or choose another folder");
   }
+  DEPTHFARM_ASSIGN_OR_RETURN(std::set<std::string> tags, CheckTags("required tags", {request.required_tags().begin(),
+                                                                                     request.required_tags().end()}));
   ++last_job_;
   jobs_[id] = {ToProto(job.config), Summary(job)};
-  Dispatch(JobSubmitted{std::move(job), request.name(), request.priority()});
+  Dispatch(JobSubmitted{std::move(job), request.name(), request.priority(), std::move(tags)});
   v1::Envelope answer;
   answer.mutable_job_accepted()->set_job_id(id.value());
   return answer;
@@ -369,6 +378,15 @@ v1::Envelope Coordinator::ListWorkers() const {
     *answer.mutable_worker_list()->add_workers() = StatusToProto(worker, workers_.Find(worker.id), now_);
   }
   answer.mutable_worker_list();
+  return answer;
+}
+
+Result<v1::Envelope> Coordinator::Drain(const std::string& name) {
+  const WorkerSession* session = workers_.FindName(name);
+  if (session == nullptr) return InvalidArgument("there is no worker '" + name.substr(0, kMaxNameBytes) + "'");
+  Dispatch(WorkerDrained{session->id});
+  v1::Envelope answer;
+  answer.mutable_done();
   return answer;
 }
 

@@ -59,6 +59,7 @@ class Coordinator {
   [[nodiscard]] Result<v1::Envelope> Submit(const v1::SubmitJob& request);
   [[nodiscard]] Result<v1::Envelope> StatusOf(JobId id) const;
   [[nodiscard]] Result<v1::Envelope> Cancel(JobId id);
+  [[nodiscard]] Result<v1::Envelope> Drain(const std::string& name);
   [[nodiscard]] v1::Envelope ListJobs() const;
   [[nodiscard]] v1::Envelope ListWorkers() const;
 
@@ -71,6 +72,7 @@ class Coordinator {
   void Do(const ForgetJob& action);
   void Do(const JobEnded& action);
   void Do(const WorkerLost& action);
+  void Do(const EndWorker& action);
   void Do(const Note& action);
 
   void Send(const std::string& peer, const v1::Envelope& envelope);

@@ -64,6 +64,12 @@ void Coordinator::Do(const JobEnded& action) {
 
 void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }
 
+void Coordinator::Do(const EndWorker& action) {
+  v1::Envelope envelope;
+  envelope.mutable_stop_worker();
+  SendTo(action.worker, envelope);
+}
+
 void Coordinator::Do(const Note& action) {
   std::vector<LogField> fields;
   for (const auto& [key, value] : action.fields) fields.emplace_back(key, value);

@@ -60,6 +60,8 @@ v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, 
   status.set_summary(summary);
   status.set_determinism_violations(job.determinism_violations);
   status.set_priority(job.priority);
+  for (const std::string& tag : job.tags) status.add_required_tags(tag);
+  status.set_lacks_worker(job.lacks_worker && job.state == JobState::kRunning);
   return status;
 }
 
@@ -68,7 +70,13 @@ v1::WorkerStatus StatusToProto(const WorkerSnapshot& worker, const WorkerSession
   status.set_worker_id(worker.id.value());
   status.set_name(worker.name);
   if (session != nullptr) status.set_software_version(session->software_version);
-  if (!worker.running.empty()) status.set_running(TaskName(worker.running.back()));
+  std::string running;
+  for (const TaskId& task : worker.running) running += (running.empty() ? "" : ", ") + TaskName(task);
+  status.set_running(running);
+  status.set_slots(static_cast<std::uint32_t>(worker.slots));
+  status.set_tasks(static_cast<std::uint32_t>(worker.running.size()));
+  status.set_draining(worker.draining);
+  for (const std::string& tag : worker.tags) status.add_tags(tag);
   status.set_seconds_since_heard(Seconds(now - worker.last_heard));
   status.set_tasks_done(worker.tasks_done);
   status.set_artifacts(worker.artifacts);

@@ -35,6 +35,11 @@ const WorkerSession* WorkerSessions::Find(WorkerId id) const {
   return session == sessions_.end() ? nullptr : &session->second;
 }
 
+const WorkerSession* WorkerSessions::FindName(const std::string& name) const {
+  const auto id = by_name_.find(name);
+  return id == by_name_.end() ? nullptr : Find(id->second);
+}
+
 const WorkerSession* WorkerSessions::FindPeer(const std::string& peer) const {
   const auto id = by_peer_.find(peer);
   return id == by_peer_.end() ? nullptr : Find(id->second);

@@ -30,6 +30,7 @@ class WorkerSessions {
 
   // Null when unknown.
   [[nodiscard]] const WorkerSession* Find(WorkerId id) const;
+  [[nodiscard]] const WorkerSession* FindName(const std::string& name) const;
   [[nodiscard]] const WorkerSession* FindPeer(const std::string& peer) const;
   [[nodiscard]] const std::map<WorkerId, WorkerSession>& all() const { return sessions_; }
 

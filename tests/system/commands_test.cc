@@ -51,6 +51,68 @@ TEST(Commands, TheSameJobAgainComputesNothingAndALongerOneOnlyWhatIsNew) {
   }
 }
 
+TEST(Commands, ADrainedWorkerEndsWhenItsTasksAreDoneAndTheJobGoesOn) {
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene");
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker({"--name", "first"});
+  farm.AddWorker({"--name", "second", "--slots", "2"});
+  ASSERT_TRUE(WaitUntil([&] {
+    const auto workers = farm.client().ListWorkers();
+    return workers.ok() && workers->size() == 2;
+  })) << farm.Logs();
+  const Outcome nobody = Depthfarm(Words{"drain", "third"} + farm.Options());
+  EXPECT_EQ(nobody.exit_code, 2);
+  EXPECT_THAT(nobody.output, HasSubstr("there is no worker 'third'"));
+  const Outcome submitted = Depthfarm(Words{"submit", sequence, "-o", folder / "out"} + SmallJob() + farm.Options());
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
+  EXPECT_EQ(Depthfarm(Words{"drain", "first"} + farm.Options()).exit_code, 0);
+  EXPECT_EQ(Depthfarm(Words{"watch", "1"} + farm.Options()).exit_code, 0) << farm.Logs();
+  EXPECT_TRUE(WaitUntil([&] {
+    const auto workers = farm.client().ListWorkers();
+    return workers.ok() && workers->size() == 1 && workers->front().name() == "second";
+  })) << farm.Logs();
+}
+
+TEST(Commands, AJobThatRequiresTagsWaitsForAWorkerThatHasThem) {
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene");
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker({"--name", "plain"});
+  const Outcome submitted = Depthfarm(Words{"submit", sequence, "-o", folder / "out", "--require", "fast,room2"} +
+                                      SmallJob() + farm.Options());
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
+  EXPECT_THAT(Depthfarm(Words{"status", "1"} + farm.Options()).output,
+              HasSubstr("waits for a worker with the tags fast,room2"));
+  farm.AddWorker({"--name", "tagged", "--tags", "room2,large,fast"});
+  EXPECT_EQ(Depthfarm(Words{"watch", "1"} + farm.Options()).exit_code, 0) << farm.Logs();
+  const nlohmann::json workers = ParseJsonTail(Depthfarm(Words{"workers", "--json"} + farm.Options()).output);
+  for (const auto& worker : workers) EXPECT_EQ(worker["tasksDone"] == 0, worker["name"] == "plain");
+  EXPECT_EQ(Depthfarm(Words{"submit", sequence, "-o", folder / "out", "--require", "a b"} + farm.Options()).exit_code,
+            2);
+}
+
+TEST(Commands, VerifyFindsWhatIsNotAsTheJobLeftIt) {
+  const TemporaryFolder folder;
+  const std::string sequence = RenderScene(folder.path() / "scene");
+  const std::string output = folder / "out";
+  EXPECT_EQ(Depthfarm({"verify", output}).exit_code, 2);
+  ASSERT_EQ(Depthfarm(Words{"run", sequence, "-o", output, "--workers", "2"} + SmallJob()).exit_code, 0);
+  const Outcome good = Depthfarm({"verify", output});
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output, HasSubstr("12 of 12 files of depth.json are right"));
+  fs::remove(fs::path(output) / "depth/cam1/0002.png");
+  std::ofstream(fs::path(output) / "depth/cam0/0000.png", std::ios::app) << "x";
+  std::ofstream(fs::path(output) / "depth/cam0/0099.png") << "old";
+  const Outcome bad = Depthfarm({"verify", output});
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_THAT(bad.output, AllOf(HasSubstr("missing   depth/cam1/0002.png"), HasSubstr("changed   depth/cam0/0000.png"),
+                                HasSubstr("unlisted  depth/cam0/0099.png"), HasSubstr("10 of 12 files")));
+  EXPECT_EQ(ParseJsonTail(Depthfarm({"verify", output, "--json"}).output)["good"], false);
+}
+
 TEST(Commands, SubmitStatusWatchJobsAndWorkersTellOfAJob) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene");

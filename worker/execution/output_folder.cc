@@ -6,15 +6,12 @@
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
 #include "common/sequence/depth_manifest.h"
-#include "worker/execution/views_manifest.h"
 
 namespace depthfarm {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kDepthMarker = ".depthfarm-job";
-constexpr const char* kViewsMarker = ".depthfarm-views-job";
 constexpr const char* kStaging = ".depthfarm-staging";
 constexpr const char* kDepth = "depth";
 constexpr const char* kConfidence = "confidence";
@@ -63,7 +60,7 @@ fs::path OutputFolder::Manifest() const {
 
 // Of its own for each content: a job that was cancelled says nothing of what else is in the folder.
 fs::path OutputFolder::Marker() const {
-  return dir_ / (content_ == OutputContent::kDepth ? kDepthMarker : kViewsMarker);
+  return dir_ / (content_ == OutputContent::kDepth ? kDepthJobMarker : kViewsJobMarker);
 }
 
 std::vector<fs::path> OutputFolder::Folders() const {

@@ -9,8 +9,6 @@
 
 namespace depthfarm {
 
-inline constexpr const char* kViewsManifestName = "views.json";
-
 // The text of views.json: of each view its file and digest, camera, frame and sources; of all, the sequence and the
 // digest of the depth.json they were made from. A function of the job alone. kInvalidArgument when the lists are not
 // equally long, a file is not its view's, or a name is not UTF-8.

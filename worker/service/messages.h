@@ -19,6 +19,7 @@ struct WorkerIdentity {
   std::uint64_t memory_bytes = 0;
   int slots = 1;
   int ahead = 0;
+  std::vector<std::string> tags;
   ArtifactLocation artifacts;  // where its artifact server can be reached
 };
 

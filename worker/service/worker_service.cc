@@ -13,6 +13,7 @@
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
 #include "worker/service/addresses.h"
+#include "worker/service/machine_memory.h"
 
 namespace depthfarm {
 namespace {
@@ -33,12 +34,6 @@ std::string HostName() {
 
 // Tells apart the workers of one host, and those of containers that share a host name and number their processes alike.
 std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_string(std::random_device()()); }
-
-std::uint64_t PhysicalMemoryBytes() {
-  const long pages = sysconf(_SC_PHYS_PAGES);
-  const long page_bytes = sysconf(_SC_PAGESIZE);
-  return pages <= 0 || page_bytes <= 0 ? 0 : static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_bytes);
-}
 
 }  // namespace
 
@@ -65,7 +60,9 @@ Status WorkerService::Open() {
   const std::string unique = UniqueName();
   identity_.name = options_.name.empty() ? HostName() + ":" + unique : options_.name;
   identity_.software_version = options_.software_version;
-  identity_.memory_bytes = PhysicalMemoryBytes();
+  identity_.memory_bytes =
+      options_.task_memory_bytes > 0 ? options_.task_memory_bytes : TaskMemory(MachineMemory(), options_.memory_bytes);
+  identity_.tags = options_.tags;
   identity_.slots = options_.slots;
   identity_.ahead = options_.ahead;
   identity_.artifacts.endpoint =

@@ -33,6 +33,8 @@ struct WorkerOptions {
   std::uint64_t cache_bytes = std::uint64_t{8} << 30;   // bound of the store
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;  // bound of the decoded artifacts kept in memory
   int slots = 1;                                        // tasks computed at a time
+  std::vector<std::string> tags;                        // what it has that jobs may ask for
+  std::uint64_t task_memory_bytes = 0;                  // for its tasks; 0: TaskMemory of this machine
   int ahead = 1;                                        // tasks taken besides, to fetch their inputs meanwhile
   std::string name;                                     // empty: host:pid:random
   std::string artifact_listen;                          // empty: DefaultArtifactEndpoint

@@ -15,7 +15,9 @@ std::string Text(const ArtifactKey& key) { return {key.begin(), key.end()}; }
 
 }  // namespace
 
-void FakeFarm::Submit(const PlannedJob& job, int priority) { Send(JobSubmitted{job, "job", priority}); }
+void FakeFarm::Submit(const PlannedJob& job, int priority, const std::set<std::string>& tags) {
+  Send(JobSubmitted{job, "job", priority, tags});
+}
 
 void FakeFarm::Send(const Event& event) {
   Apply(scheduler.Handle(event, now));
@@ -45,7 +47,8 @@ WorkerId FakeFarm::JoinAndAsk(int slots, int ahead) {
 
 void FakeFarm::Rejoin(WorkerId worker) {
   const FakeWorker& fake = At(worker);
-  WorkerJoined event{worker, "w" + std::to_string(worker.value()), {}, {}, fake.slots, fake.ahead};
+  WorkerJoined event{worker,   "w" + std::to_string(worker.value()), {}, {}, fake.slots, fake.ahead, fake.memory_bytes,
+                     fake.tags};
   for (const auto& [key, artifact] : fake.store) event.artifacts.push_back(artifact);
   for (const auto& [lease, grant] : fake.running) event.running.push_back(lease);
   Send(event);

@@ -19,6 +19,8 @@ struct FakeWorker {
   std::uint64_t asks = 0;
   int slots = 1;
   int ahead = 0;
+  std::uint64_t memory_bytes = 0;
+  std::set<std::string> tags;
 
   [[nodiscard]] bool HasRoom() const { return running.size() < static_cast<std::size_t>(slots + ahead); }
 };
@@ -28,7 +30,7 @@ class FakeFarm {
  public:
   explicit FakeFarm(const SchedulerOptions& options = {}) : scheduler(options), lease_(options.lease) {}
 
-  void Submit(const PlannedJob& job, int priority = 0);
+  void Submit(const PlannedJob& job, int priority = 0, const std::set<std::string>& tags = {});
   void Cancel(std::uint64_t job) { Send(JobCancelled{JobId(job)}); }
 
   WorkerId Join(int slots = 1, int ahead = 0);  // a new worker, which does not ask yet
@@ -70,6 +72,7 @@ class FakeFarm {
   std::vector<Revoke> revokes;
   std::vector<Release> releases;
   std::map<JobId, JobSnapshot> ended;
+  std::set<WorkerId> told_to_end;
   std::vector<Note> notes;
   std::set<std::pair<JobId, std::string>> emitted;  // staging folders
 
@@ -82,6 +85,7 @@ class FakeFarm {
   void Apply(const ForgetJob&) {}
   void Apply(const JobEnded& event);
   void Apply(const WorkerLost&) {}
+  void Apply(const EndWorker& action) { told_to_end.insert(action.worker); }
   void Apply(const Note& note) { notes.push_back(note); }
 
   Milliseconds lease_;

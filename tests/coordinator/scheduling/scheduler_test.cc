@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "common/digest/sha256.h"
+#include "coordinator/planning/cost_model.h"
 #include "tests/coordinator/planned_job.h"
 #include "tests/coordinator/scheduling/fake_farm.h"
 
@@ -493,6 +494,83 @@ TEST(Scheduler, ARevokedTaskCountsUntilTheWorkerSaysThatItIsOver) {
   farm.At(worker).running.clear();
   farm.Ask(worker);
   EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 1);
+}
+
+TEST(Scheduler, ADrainedWorkerEndsAfterItsTasksAndGetsNoMore) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 50, .gop = 1}));
+  const WorkerId first = farm.JoinAndAsk(1, 1);
+  const WorkerId second = farm.JoinAndAsk();
+  ASSERT_EQ(farm.At(first).running.size(), 2U);
+  farm.Send(WorkerDrained{first});
+  farm.Finish(first);
+  EXPECT_TRUE(farm.told_to_end.empty());
+  farm.Finish(first);
+  EXPECT_TRUE(farm.IsIdle(first));
+  EXPECT_EQ(farm.told_to_end, std::set<WorkerId>{first});
+  farm.Leave(first);
+  farm.RunToTheEnd();
+  EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kDone);
+  EXPECT_EQ(farm.ended.at(JobId(1)).retries, 0U);
+  EXPECT_FALSE(farm.told_to_end.contains(second));
+}
+
+TEST(Scheduler, AnIdleWorkerThatIsDrainedEndsAtOnce) {
+  FakeFarm farm;
+  const WorkerId worker = farm.JoinAndAsk();
+  farm.Send(WorkerDrained{worker});
+  EXPECT_TRUE(farm.told_to_end.contains(worker));
+  farm.Send(WorkerDrained{WorkerId(99)});  // nobody
+}
+
+TEST(Scheduler, AJobWithTagsGoesToWorkersThatHaveThemAll) {
+  FakeFarm farm;
+  const WorkerId plain = farm.JoinAndAsk();
+  farm.Submit(MakePlannedJob({}), 0, {"fast", "room2"});
+  EXPECT_TRUE(farm.IsIdle(plain));
+  EXPECT_TRUE(farm.scheduler.Job(JobId(1))->lacks_worker);
+  const WorkerId tagged = farm.Join();
+  farm.At(tagged).tags = {"fast", "large", "room2"};
+  farm.Rejoin(tagged);
+  farm.Ask(tagged);
+  EXPECT_FALSE(farm.IsIdle(tagged));
+  EXPECT_FALSE(farm.scheduler.Job(JobId(1))->lacks_worker);
+  farm.Submit(MakePlannedJob({.id = 2}));  // takes either
+  EXPECT_FALSE(farm.IsIdle(plain));
+  farm.RunToTheEnd();
+  for (const Grant& grant : farm.grants) {
+    if (grant.task.spec.id.job == JobId(1)) {
+      EXPECT_EQ(grant.worker, tagged);
+    }
+  }
+}
+
+TEST(Scheduler, AWorkerGetsNoMoreTasksThanItsMemoryHolds) {
+  FakeFarm farm;
+  const PlannedJob job = MakePlannedJob({.frames = 50, .gop = 1, .views = 4});
+  const std::uint64_t need =
+      CostModel(job.config.resolved).Of({JobId(1), 0, TaskKind::kAnalyse, 0, 0}).peak_memory_bytes;
+  ASSERT_GT(need, 0U);
+  farm.Submit(job);
+  const WorkerId first = farm.JoinAndAsk();
+  farm.Finish(first);  // Prepare
+  const WorkerId large = farm.Join(4);
+  farm.At(large).memory_bytes = 3 * need;
+  farm.Rejoin(large);
+  farm.Ask(large);
+  EXPECT_EQ(farm.At(large).running.size(), 3U);
+}
+
+TEST(Scheduler, ATaskThatIsTooLargeForAllRunsAlone) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 2, .gop = 1, .views = 4}));
+  const WorkerId worker = farm.Join(4);
+  farm.At(worker).memory_bytes = 1;
+  farm.Rejoin(worker);
+  farm.Ask(worker);
+  EXPECT_EQ(farm.At(worker).running.size(), 1U);
+  farm.RunToTheEnd();
+  EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kDone);
 }
 
 TEST(Scheduler, ASmallJobBehindHugeOnesStartsWithTheNextFreeWorker) {
