@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_COMMON_JOB_RESOLVED_JOB_H_
 #define DEPTHFARM_COMMON_JOB_RESOLVED_JOB_H_
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct JobView {
   std::vector<int> compared;    // the at most params.compared views that refinement compares it with, nearest first
 };
 
+// What the frames before have refined is where a P frame starts: it does the last rounds alone. With one round, views
+// lose 0.1 dB.
+inline constexpr int kRefineRoundsOfPFrames = 2;
+
 // A job with nothing left open: every "auto" is a number, so that all tasks of the job, wherever they run, do the same.
 // A function of the sequence and the parameters alone, never of the farm.
 struct ResolvedJob {
@@ -40,6 +45,10 @@ struct ResolvedJob {
   [[nodiscard]] bool IsIFrame(int frame) const { return frame % params.gop == 0; }
   [[nodiscard]] int IFrameOf(int frame) const { return frame - frame % params.gop; }
   [[nodiscard]] int NumBlocks(int frame) const { return IsIFrame(frame) ? level_blocks_i : level_blocks_p; }
+  // Rounds of refinement, after round 0: this one to params.refine_rounds, of which there must be one.
+  [[nodiscard]] int FirstRefineRound(int frame) const {
+    return IsIFrame(frame) ? 1 : std::max(1, params.refine_rounds - kRefineRoundsOfPFrames + 1);
+  }
   // The level planes (not of a rendering job); valid because ResolveJob checked the range.
   [[nodiscard]] DepthLevels Levels() const;
 };

@@ -18,7 +18,7 @@ using ContentDigest = std::array<std::uint8_t, 32>;
 // What an input of a task is for. Inputs of a task are ordered by role, then by view.
 enum class InputRole : std::uint8_t {
   kAnalysis,          // of this frame, one per view; Analyse: what it made when it was done before, if it was
-  kPreviousAnalysis,  // of frame - 1, one per view (P frames)
+  kPreviousAnalysis,  // of frame - 1 (P frames): Analyse, Refine: of the view; Estimate: one per view
   kPreviousLabels,    // label field of frame - 1
   kIAnalysis,         // of the GOP's I frame, one per view (P frames)
   kILabels,           // label field of the GOP's I frame

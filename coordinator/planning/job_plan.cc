@@ -69,7 +69,7 @@ std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
           tasks.push_back({job, frame, TaskKind::kMerge, round, pair});
       }
     }
-    for (int round = 0; refine > 0 && round <= refine; ++round) {
+    for (int round = refine > 0 ? 0 : 1; round <= refine; round = RefineRoundAfter(frame, round)) {
       for (int view = 0; view < resolved().num_views(); ++view) tasks.push_back(Refined(frame, view, round));
     }
     for (int view = 0; resolved().params.assesses() && view < resolved().num_views(); ++view)
@@ -97,6 +97,10 @@ TaskId JobPlan::Refined(int frame, int view, int round) const {
   return {job_.config.job, frame, TaskKind::kRefine, round < 0 ? resolved().params.refine_rounds : round, view};
 }
 
+int JobPlan::RefineRoundAfter(int frame, int round) const {
+  return round == 0 ? resolved().FirstRefineRound(frame) : round + 1;
+}
+
 TaskId JobPlan::Assessed(int frame, int view) const { return {job_.config.job, frame, TaskKind::kAssess, view, 0}; }
 
 void JobPlan::AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const {
@@ -119,7 +123,7 @@ void JobPlan::AddInputsOfRefine(const TaskId& id, std::vector<PlannedInput>& inp
     if (refers) inputs.push_back({Refined(i_frame, own), InputRole::kIRefined, own});
     return;
   }
-  AddCompared(id.frame, own, id.index - 1, inputs);
+  AddCompared(id.frame, own, id.index == resolved().FirstRefineRound(id.frame) ? 0 : id.index - 1, inputs);
 }
 
 void JobPlan::AddCompared(int frame, int own, int round, std::vector<PlannedInput>& inputs) const {
@@ -168,8 +172,12 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
       AddAnalyses(id.frame, InputRole::kAnalysis, inputs);
       inputs.push_back({FinalLabels(id.frame), InputRole::kLabels, 0});
       break;
-    case TaskKind::kPrepare:
     case TaskKind::kAnalyse:
+      if (!resolved().IsIFrame(id.frame))
+        inputs.push_back(
+            {{id.job, id.frame - 1, TaskKind::kAnalyse, id.index, 0}, InputRole::kPreviousAnalysis, id.index});
+      break;
+    case TaskKind::kPrepare:
     case TaskKind::kRender:
     case TaskKind::kCommit:
     case TaskKind::kManifest:
@@ -206,8 +214,13 @@ std::uint64_t JobPlan::Total(TaskKind kind) const {
     case TaskKind::kMerge:
       return i_frames * CountMerges(rounds_i_) + p_frames * CountMerges(rounds_p_);
     case TaskKind::kRefine: {
-      const auto refine = static_cast<std::uint64_t>(resolved().params.refine_rounds);
-      return refine == 0 ? 0 : frames * static_cast<std::uint64_t>(resolved().num_views()) * (refine + 1);
+      const int refine = resolved().params.refine_rounds;
+      if (refine == 0) return 0;
+      // Round 0 comes besides. Frame 1 is a P frame where there are any.
+      const auto rounds = [&](int frame) {
+        return static_cast<std::uint64_t>(refine - resolved().FirstRefineRound(frame) + 2);
+      };
+      return static_cast<std::uint64_t>(resolved().num_views()) * (i_frames * rounds(0) + p_frames * rounds(1));
     }
     case TaskKind::kAssess:
       return resolved().params.assesses() ? frames * static_cast<std::uint64_t>(resolved().num_views()) : 0;

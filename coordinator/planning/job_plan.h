@@ -42,7 +42,11 @@ struct PlannedInput {
 //
 //   Prepare -----------------------------------------.
 //   Analyse(f, v) -> Estimate(f, b) -> Merge(f, r, p) -> Refine(f, r, v) -> Emit(f) -> Commit(f) -> Manifest
-//          `-> Estimate(f + 1, b), and those of the whole GOP if f is its I frame; so with Refine(f, last, v)
+//        | `-> Estimate(f + 1, b), and those of the whole GOP if f is its I frame; so with Refine(f, last, v)
+//
+//        `-> Analyse(f + 1, v), if that is a P frame
+//
+// Of P frames Refine has round 0 and the last ones (ResolvedJob::FirstRefineRound).
 //
 // Of a rendering job: Prepare -> Render(f) -> Commit(f) -> Manifest, f a part.
 class JobPlan {
@@ -87,6 +91,8 @@ class JobPlan {
   // The task that made partial result `index` of merge round `round` (0: the blocks); passing on makes no task.
   [[nodiscard]] TaskId PartialResult(int frame, int round, int index) const;
   [[nodiscard]] const std::vector<std::vector<MergePair>>& Rounds(int frame) const;
+  // The round of refinement that follows `round` (0: the start) of a frame.
+  [[nodiscard]] int RefineRoundAfter(int frame, int round) const;
   void AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const;
   void AddInputsOfRefine(const TaskId& id, std::vector<PlannedInput>& inputs) const;
   // Analyses and depth after a round (-1: the last) of a view and of those it is compared with.

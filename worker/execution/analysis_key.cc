@@ -32,6 +32,10 @@ ArtifactKey AnalysisKey(const JobView& view, const EstimationParams& params, con
       add("prior_number", std::bit_cast<std::uint64_t>(number));
     if (digests.prior_confidence) text += "prior_confidence " + Hex(*digests.prior_confidence) + "\n";
   }
+  if (digests.before) {
+    text += "before " + Hex(*digests.before) + "\n";
+    add("p_threshold", static_cast<std::uint64_t>(params.p_threshold));
+  }
   return Sha256(text);
 }
 

@@ -14,6 +14,7 @@ struct AnalysisDigests {
   std::optional<ContentDigest> mask;
   std::optional<ContentDigest> prior;
   std::optional<ContentDigest> prior_confidence;
+  std::optional<ArtifactKey> before;  // of a P frame: the key of the analysis of the frame before
 };
 [[nodiscard]] ArtifactKey AnalysisKey(const JobView& view, const EstimationParams& params,
                                       const AnalysisDigests& digests);

@@ -48,6 +48,12 @@ struct TaskExecutor::Task {
   [[nodiscard]] Result<OutputFolder> Output() const {
     return OutputFolder::At(config.output_dir, config.render ? OutputContent::kViews : OutputContent::kDepth);
   }
+  // Of the first input of that role.
+  [[nodiscard]] std::optional<ArtifactKey> KeyOf(InputRole role) const {
+    for (const TaskInput& input : spec.inputs)
+      if (input.role == role) return input.artifact.key;
+    return std::nullopt;
+  }
   [[nodiscard]] Status LoadInputs() const { return inputs.Load(spec, job().num_views()).WithContext(FrameName()); }
 };
 
@@ -239,6 +245,11 @@ Result<ViewPrior> PriorOf(const GuideBytes& guides, const GuideFiles& files, con
 Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskOutcome& outcome) {
   const std::string& path = task.spec.picture;
   const EstimationParams& params = task.job().params;
+  const bool refers = !task.job().IsIFrame(task.spec.id.frame);
+  if (refers != task.KeyOf(InputRole::kPreviousAnalysis).has_value()) {
+    return InvalidArgument(TaskName(task.spec.id) + (refers ? ": expected the analysis of the frame before"
+                                                            : ": expected no analysis of another frame"));
+  }
   DEPTHFARM_ASSIGN_OR_RETURN(const GuideBytes guides, ReadGuides(task.spec.guides));
   YcbcrImage picture;
   {
@@ -247,7 +258,8 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     const AnalysisDigests digests{.picture = Sha256(bytes),
                                   .mask = DigestOf(guides.mask),
                                   .prior = DigestOf(guides.prior),
-                                  .prior_confidence = DigestOf(guides.prior_confidence)};
+                                  .prior_confidence = DigestOf(guides.prior_confidence),
+                                  .before = task.KeyOf(InputRole::kPreviousAnalysis)};
     const ArtifactKey key = AnalysisKey(view, params, digests);
     outcome.picture_digest = digests.picture;
     outcome.output_key = key;
@@ -270,8 +282,7 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     WeighMask(picture);
   }
   if (task.stop.stop_requested()) return Cancelled();
-  DEPTHFARM_ASSIGN_OR_RETURN(ViewAnalysis analysis,
-                             AnalyseView(std::move(picture), view.segments, params.snic_compactness, task.stop));
+  DEPTHFARM_ASSIGN_OR_RETURN(ViewAnalysis analysis, SegmentsOf(task, view, std::move(picture)));
   if (guides.prior.has_value()) {
     DEPTHFARM_ASSIGN_OR_RETURN(analysis.prior, PriorOf(guides, task.spec.guides, view.prior, analysis.segments));
   }
@@ -279,6 +290,17 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
   DEPTHFARM_ASSIGN_OR_RETURN(outcome.artifact, store_.Put(*outcome.output_key, EncodeAnalysis(analysis)));
   cache_.Put(*outcome.output_key, std::make_shared<const ViewAnalysis>(std::move(analysis)));
   return {};
+}
+
+Result<ViewAnalysis> TaskExecutor::SegmentsOf(const Task& task, const JobView& view, YcbcrImage picture) {
+  const EstimationParams& params = task.job().params;
+  if (task.job().IsIFrame(task.spec.id.frame))
+    return AnalyseView(std::move(picture), view.segments, params.snic_compactness, task.stop);
+  DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
+  const auto before =
+      task.inputs.ListedAnalyses(InputRole::kPreviousAnalysis)[static_cast<std::size_t>(task.spec.id.index)];
+  if (before == nullptr) return InvalidArgument("the analysis of the frame before is another view's");
+  return AnalyseNextView(std::move(picture), *before, params.p_threshold, params.snic_compactness, task.stop);
 }
 
 Status TaskExecutor::Estimate(const Task& task, TaskOutcome& outcome) {

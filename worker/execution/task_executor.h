@@ -47,6 +47,8 @@ class TaskExecutor {
   [[nodiscard]] Status Run(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Analyse(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status AnalysePicture(const Task& task, const JobView& view, TaskOutcome& outcome);
+  // The picture with its segments; of a P frame those of the frame before where it stands still.
+  [[nodiscard]] static Result<ViewAnalysis> SegmentsOf(const Task& task, const JobView& view, YcbcrImage picture);
   [[nodiscard]] Status Estimate(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Merge(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Refine(const Task& task, TaskOutcome& outcome);

@@ -1,6 +1,7 @@
 #include "worker/refinement/refine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -42,6 +43,19 @@ Status CheckView(const ResolvedJob& job, int view) {
   if (view >= 0 && view < job.num_views()) return {};
   return InvalidArgument("view " + std::to_string(view) + " of a job with " + std::to_string(job.num_views()) +
                          " views is to be refined");
+}
+
+// How far a level is from the next one at the centre of each segment, pixels of u. `of_level`: PlanesOfLevels.
+std::vector<double> LengthsOfLevels(std::span<const SlantedPlane> of_level, std::span<const Level> levels,
+                                    std::span<const PixelPosition> centers) {
+  std::vector<double> lengths;
+  lengths.reserve(levels.size());
+  for (std::size_t s = 0; s < levels.size(); ++s) {
+    const std::size_t nearer = std::max<std::size_t>(1, levels[s]);
+    const auto u = [&](std::size_t level) { return of_level[level].At(centers[s].x, centers[s].y); };
+    lengths.push_back(of_level.size() > 1 ? std::abs(u(nearer) - u(nearer - 1)) : 0);
+  }
+  return lengths;
 }
 
 // The view and those it is compared with, in the order of `geometry`; of what is listed by view.
@@ -147,8 +161,11 @@ Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const View
     DEPTHFARM_RETURN_IF_ERROR(CheckRefined(*reference->analysis, *reference->refined).WithContext("reference frame"));
   }
   const auto& [previous, i_frame] = *references;
-  KeepUnchanged(analysis, {previous.analysis.get(), previous.refined.get()},
-                {i_frame.analysis.get(), i_frame.refined.get()}, job.params.p_threshold, job.params.i_threshold, start);
+  const RefinedReference before{previous.analysis.get(), previous.refined.get()};
+  KeepUnchanged(analysis, before, {i_frame.analysis.get(), i_frame.refined.get()}, job.params.p_threshold,
+                job.params.i_threshold, start);
+  StartFromAround(analysis.segments, before, LengthsOfLevels(of_level, labels.levels, analysis.segments.centers),
+                  start);
   return start;
 }
 

@@ -27,19 +27,20 @@ struct RefinementReferences {
   ReferenceView i_frame;
 };
 
-// Round 0 of a view: the planes of its segments' levels; unchanged segments of a P frame (`references` is null for I
-// frames) have the refined depth of their reference instead, pixel by pixel, and keep it.
+// Round 0 of a view: the planes of its segments' levels. Of a P frame (`references` is null for I frames) unchanged
+// segments have the refined depth of their reference instead, pixel by pixel, and keep it; others take a plane of the
+// frame before from around them where one is on their level (StartFromAround).
 // Errors: kInvalidArgument: parts that do not fit each other or the job, a picture of less than 2 x 2 pixels.
 [[nodiscard]] Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const ViewAnalysis& analysis,
                                                   const ViewLabels& labels, const RefinementReferences* references);
 
 // Round `round` (1 .. params.refine_rounds) of a view: Gauss-Newton on the colour differences against the views it is
-// compared with (JobView::compared), one slanted plane per segment; the first round on smoothed pictures (unless pixels choose in it), after
-// surfaces without texture have been decided as a whole, the last params.choice_rounds on sharp ones and also with
-// agreement with the depth of those views and a choice of plane for each pixel at depth jumps. `analysis` and `before`
-// (each view after the round before) are read for the view and those it is compared with; the others may be null. So
-// all views of a round can be refined at once, in any order; one after the other with the same `memory` saves time.
-// Errors: as StartRefinement; kCancelled.
+// compared with (JobView::compared), one slanted plane per segment; the first round on smoothed pictures (unless pixels
+// choose in it), after surfaces without texture have been decided as a whole, the last params.choice_rounds on sharp
+// ones and also with agreement with the depth of those views and a choice of plane for each pixel at depth jumps.
+// `analysis` and `before` (each view after the round before) are read for the view and those it is compared with; the
+// others may be null. So all views of a round can be refined at once, in any order; one after the other with the same
+// `memory` saves time. Errors: as StartRefinement; kCancelled.
 [[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
                                              const FrameRefinement& before, ViewMemory& memory,
                                              const std::stop_token& stop = {});

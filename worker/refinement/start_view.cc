@@ -14,6 +14,8 @@ namespace {
 
 constexpr PlaneIndex kNotYet = std::numeric_limits<PlaneIndex>::max();
 constexpr double kOtherSurface = 0.5;  // pixels of u
+constexpr int kAround = 2;             // steps to either side: where a surface may have been in the frame before
+constexpr int kAroundStep = 4;         // pixels, about a segment
 constexpr int kSamePixel = 4;          // grey levels, of the mean of 3 x 3 pixels: less is noise
 
 // Whether the mean of each component over the 3 x 3 pixels around changed by less than `bound` grey levels.
@@ -74,6 +76,31 @@ class Adoption {
   std::vector<PlaneIndex> copies_;
 };
 
+// The plane that a segment starts from, see StartFromAround.
+SlantedPlane PlaneFromAround(const SegmentMap& segments, SegmentIndex s, const RefinedReference& previous, double reach,
+                             const SlantedPlane& own) {
+  const SegmentMap& before = previous.analysis->segments;
+  const RefinedView& refined = *previous.refined;
+  const PixelPosition center = segments.centers[s];
+  const double u = own.At(center.x, center.y);
+  SlantedPlane best = own;
+  std::int32_t least = std::numeric_limits<std::int32_t>::max();
+  for (int row = -kAround; row <= kAround; ++row) {
+    for (int column = -kAround; column <= kAround; ++column) {
+      const int x = center.x + column * kAroundStep;
+      const int y = center.y + row * kAroundStep;
+      if (!before.labels.Contains(x, y)) continue;
+      const SlantedPlane& plane = refined.planes[refined.plane_of_pixel(x, y)];
+      if (std::abs(plane.At(center.x, center.y) - u) > reach) continue;
+      const std::int32_t distance = L1Distance(before.means[before.labels(x, y)], segments.means[s]);
+      if (distance >= least) continue;
+      least = distance;
+      best = plane;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 RefinedView StartView(const SegmentMap& segments, std::span<const SlantedPlane> plane_of_segment) {
@@ -100,6 +127,12 @@ void KeepUnchanged(const ViewAnalysis& analysis, const RefinedReference& previou
       if (view.kept[s] != 0) source(s).AdoptPixel(s, x, y);
     }
   }
+}
+
+void StartFromAround(const SegmentMap& segments, const RefinedReference& previous, std::span<const double> reach,
+                     RefinedView& view) {
+  for (SegmentIndex s = 0; s < view.num_segments(); ++s)
+    if (view.kept[s] == 0) view.planes[s] = PlaneFromAround(segments, s, previous, reach[s], view.planes[s]);
 }
 
 }  // namespace depthfarm

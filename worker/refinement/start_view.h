@@ -23,6 +23,13 @@ struct RefinedReference {
 void KeepUnchanged(const ViewAnalysis& analysis, const RefinedReference& previous, const RefinedReference& i_frame,
                    int p_threshold, int i_threshold, RefinedView& view);
 
+// A segment that is not kept takes the refined plane of what the frame before shows there or up to 8 pixels away, of
+// those that are at its centre within `reach` (one a segment, pixels of u: a level) of its own plane, which is that of
+// its level: the one of which the segment's colour is most alike, the first row by row of several; none: it stays.
+// Surfaces move little from frame to frame, so most planes need no more than a round or two.
+void StartFromAround(const SegmentMap& segments, const RefinedReference& previous, std::span<const double> reach,
+                     RefinedView& view);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_WORKER_REFINEMENT_START_VIEW_H_

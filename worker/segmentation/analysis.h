@@ -25,6 +25,12 @@ struct ViewAnalysis {
 [[nodiscard]] Result<ViewAnalysis> AnalyseView(YcbcrImage picture, int num_segments, double compactness,
                                                const std::stop_token& stop = {});
 
+// The same of the next frame of a view: where the picture stands still (StillSegments, by `threshold` grey levels; 0:
+// nowhere) segments stay what they are in `before`, elsewhere they grow anew (RegrowSnic). The prior is not made.
+// Errors as RegrowSnic.
+[[nodiscard]] Result<ViewAnalysis> AnalyseNextView(YcbcrImage picture, const ViewAnalysis& before, int threshold,
+                                                   double compactness, const std::stop_token& stop = {});
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_WORKER_SEGMENTATION_ANALYSIS_H_

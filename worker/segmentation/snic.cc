@@ -34,24 +34,32 @@ struct PixelState {
 // bounds.
 class Growth {
  public:
-  Growth(const YcbcrImage& picture, const SeedGrid& seeds, double spatial_weight)
+  Growth(const YcbcrImage& picture, int num_segments, double spatial_weight)
       : spatial_weight_(spatial_weight),
         pixels_(picture.width() + 2 * kFrame, picture.height() + 2 * kFrame, PixelState{.waiting = kLabelled}),
         labelled_(pixels_.size(), false),
-        clusters_(static_cast<std::size_t>(seeds.num_segments())) {
+        clusters_(static_cast<std::size_t>(num_segments)) {
     for (int y = 0; y < picture.height(); ++y) {
       for (int x = 0; x < picture.width(); ++x) pixels_(x + kFrame, y + kFrame) = PixelState{.color = picture(x, y)};
     }
     for (std::size_t i = 0; i < kNeighbours; ++i) {
       neighbour_offsets_[i] = std::ptrdiff_t{kNeighbourSteps[i].y} * pixels_.width() + kNeighbourSteps[i].x;
     }
-    for (int index = 0; index < seeds.num_segments(); ++index) {
-      const PixelPosition seed = seeds.Seed(index);
-      PixelState& pixel = pixels_(seed.x + kFrame, seed.y + kFrame);
-      pixel.waiting = 0;
-      pixel.label = static_cast<SegmentIndex>(index);
-      queue_.Push(0, seed.x + kFrame, seed.y + kFrame);
-    }
+  }
+
+  // Where a segment starts: a pixel that no other one has. In ascending order of the segments.
+  void Plant(SegmentIndex segment, PixelPosition seed) {
+    PixelState& pixel = pixels_(seed.x + kFrame, seed.y + kFrame);
+    pixel.waiting = 0;
+    pixel.label = segment;
+    queue_.Push(0, seed.x + kFrame, seed.y + kFrame);
+  }
+
+  // A pixel that has its segment from the start; that segment does not grow.
+  void Keep(int x, int y, SegmentIndex segment) {
+    PixelState& pixel = pixels_(x + kFrame, y + kFrame);
+    pixel.waiting = kLabelled;
+    pixel.label = segment;
   }
 
   Status Run(const std::stop_token& stop) {
@@ -126,16 +134,42 @@ class Growth {
   SnicQueue queue_;
 };
 
+Status CheckCompactness(double compactness) {
+  if (compactness > 0 && compactness <= kMaxCompactness) return {};
+  return InvalidArgument("SNIC compactness is " + std::to_string(compactness) + ", expected > 0 and <= 1000");
+}
+
 }  // namespace
 
 Result<Grid<SegmentIndex>> SegmentSnic(const YcbcrImage& picture, int num_segments, double compactness,
                                        const std::stop_token& stop) {
-  if (!(compactness > 0 && compactness <= kMaxCompactness)) {
-    return InvalidArgument("SNIC compactness is " + std::to_string(compactness) + ", expected > 0 and <= 1000");
-  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckCompactness(compactness));
   DEPTHFARM_ASSIGN_OR_RETURN(const SeedGrid seeds, SeedGrid::Create(picture.width(), picture.height(), num_segments));
   const double cell_pixels = static_cast<double>(picture.size()) / seeds.num_segments();
-  Growth growth(picture, seeds, compactness * compactness / cell_pixels);
+  Growth growth(picture, seeds.num_segments(), compactness * compactness / cell_pixels);
+  for (int index = 0; index < seeds.num_segments(); ++index)
+    growth.Plant(static_cast<SegmentIndex>(index), seeds.Seed(index));
+  DEPTHFARM_RETURN_IF_ERROR(growth.Run(stop));
+  return growth.Labels();
+}
+
+Result<Grid<SegmentIndex>> RegrowSnic(const YcbcrImage& picture, const SegmentMap& before,
+                                      const std::vector<std::uint8_t>& still, double compactness,
+                                      const std::stop_token& stop) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckCompactness(compactness));
+  const Grid<SegmentIndex>& labels = before.labels;
+  if (picture.width() != labels.width() || picture.height() != labels.height()) {
+    return InvalidArgument("the picture is " + std::to_string(picture.width()) + "x" +
+                           std::to_string(picture.height()) + ", the frame before " + std::to_string(labels.width()) +
+                           "x" + std::to_string(labels.height()));
+  }
+  const double cell_pixels = static_cast<double>(picture.size()) / before.num_segments();
+  Growth growth(picture, before.num_segments(), compactness * compactness / cell_pixels);
+  for (int y = 0; y < labels.height(); ++y)
+    for (int x = 0; x < labels.width(); ++x)
+      if (still[labels(x, y)] != 0) growth.Keep(x, y, labels(x, y));
+  for (SegmentIndex s = 0; s < still.size(); ++s)
+    if (still[s] == 0) growth.Plant(s, before.centers[s]);
   DEPTHFARM_RETURN_IF_ERROR(growth.Run(stop));
   return growth.Labels();
 }

@@ -1,7 +1,9 @@
 #ifndef DEPTHFARM_WORKER_SEGMENTATION_SNIC_H_
 #define DEPTHFARM_WORKER_SEGMENTATION_SNIC_H_
 
+#include <cstdint>
 #include <stop_token>
+#include <vector>
 
 #include "common/base/status.h"
 #include "common/image/grid.h"
@@ -28,6 +30,17 @@ namespace depthfarm {
 // Work    O(W H log(W H)) time, about 40 bytes a pixel. The same bytes everywhere: + - * / in one order, one thread.
 [[nodiscard]] Result<Grid<SegmentIndex>> SegmentSnic(const YcbcrImage& picture, int num_segments, double compactness,
                                                      const std::stop_token& stop = {});
+
+// The segmentation of the next frame of a view: segments of which `still` (one a segment) is 1 keep their pixels, the
+// others give them up and grow anew over what all of these had, from the centre that each had before. So the number of
+// segments stays, and where nothing moves so do the segments.
+//
+// Result  as SegmentSnic, N that of `before`.
+// Errors  kInvalidArgument: a picture of another size than `before`, compactness as above; kCancelled.
+// Work    that of SegmentSnic on the pixels given up, and O(W H) more.
+[[nodiscard]] Result<Grid<SegmentIndex>> RegrowSnic(const YcbcrImage& picture, const SegmentMap& before,
+                                                    const std::vector<std::uint8_t>& still, double compactness,
+                                                    const std::stop_token& stop = {});
 
 }  // namespace depthfarm
 

@@ -105,6 +105,30 @@ TEST(RefinePlan, ARoundReadsTheRoundBeforeOfTheViewAndThoseItIsComparedWith) {
                                    PlannedInput{Id(TaskKind::kRefine, 0, 1, 3), InputRole::kRefined, 3}));
 }
 
+TEST(JobPlan, AnalysesOfPFramesFollowOneAnother) {
+  const JobPlan plan(MakePlannedJob({.frames = 6, .gop = 3, .views = 2}));
+  EXPECT_TRUE(plan.Inputs(Id(TaskKind::kAnalyse, 3, 1)).empty());
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kAnalyse, 5, 1)),
+              testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 4, 1), InputRole::kPreviousAnalysis, 1}));
+}
+
+TEST(RefinePlan, APFrameDoesTheLastTwoRoundsAlone) {
+  const JobPlan plan(MakePlannedJob({.frames = 2, .gop = 2, .views = 2, .refine = 4}));
+  const auto rounds_of = [&](int frame) {
+    std::set<int> rounds;
+    for (const TaskId& id : plan.TasksOfGop(0))
+      if (id.kind == TaskKind::kRefine && id.frame == frame) rounds.insert(id.index);
+    return rounds;
+  };
+  EXPECT_EQ(rounds_of(0), (std::set<int>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(rounds_of(1), (std::set<int>{0, 3, 4}));
+  EXPECT_EQ(plan.Total(TaskKind::kRefine), 2U * (5 + 3));
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kRefine, 1, 3, 0)),
+              testing::Contains(PlannedInput{Id(TaskKind::kRefine, 1, 0, 0), InputRole::kRefined, 0}));
+  EXPECT_THAT(plan.Inputs(Id(TaskKind::kRefine, 1, 4, 0)),
+              testing::Contains(PlannedInput{Id(TaskKind::kRefine, 1, 3, 0), InputRole::kRefined, 0}));
+}
+
 TEST(RefinePlan, EmitReadsTheLastRoundOfEveryViewAndLabelsWithoutRefinement) {
   const JobPlan refined(MakePlannedJob({.frames = 1, .refine = 3}));
   EXPECT_THAT(refined.Inputs(Id(TaskKind::kEmit, 0)),
@@ -151,6 +175,7 @@ TEST(JobPlan, TotalsCountWhatTheGopsHoldAndPrerequisitesComeFirst) {
                                 JobShape{.frames = 1, .gop = 10, .views = 2, .blocks_i = 1, .blocks_p = 1},
                                 JobShape{.frames = 4, .gop = 1, .views = 4, .blocks_i = 8, .blocks_p = 2},
                                 JobShape{.frames = 5, .gop = 3, .views = 3, .blocks_i = 2, .refine = 2},
+                                JobShape{.frames = 5, .gop = 3, .views = 3, .refine = 4},
                                 JobShape{.frames = 5, .gop = 3, .views = 3, .refine = 1, .confidence = true}}) {
     const JobPlan plan(MakePlannedJob(shape));
     std::map<TaskKind, std::uint64_t> counts;

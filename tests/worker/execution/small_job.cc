@@ -82,6 +82,7 @@ TaskSpec SmallJob::Simple(TaskKind kind) const { return Spec(kind, 0, 0); }
 TaskSpec SmallJob::Analyse(int frame, int view) const {
   TaskSpec spec = Spec(TaskKind::kAnalyse, frame, view);
   spec.picture = picture(frame, view).string();
+  if (frame > 0) AddOfView(spec, InputRole::kPreviousAnalysis, Spec(TaskKind::kAnalyse, frame - 1, view).id, view);
   return spec;
 }
 

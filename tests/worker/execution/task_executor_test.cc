@@ -7,6 +7,8 @@
 #include <fstream>
 #include <map>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
@@ -73,11 +75,11 @@ TEST(TaskExecutor, RunsAWholeJob) {
   EXPECT_FALSE(fs::exists(job.output() / ".depthfarm-job"));
 }
 
-// Refined depth and confidence of version 8, as this code made them first (g++ 12, x86-64): who changes them raises
+// Refined depth and confidence of version 9, as this code made them first (g++ 12, x86-64): who changes them raises
 // kAlgorithmVersion, and then this digest.
 TEST(TaskExecutor, DepthAndConfidenceAreThoseOfTheAlgorithmVersion) {
   constexpr const char* kPictures = "99da935a5c3dd127c7c33557f769a46cab0565262167c3a32cff805c26e8883a";
-  constexpr const char* kMaps = "b609d952a6c2c17917aeafc675bea61011964a6032a8da3e4a643ec6740f3450";
+  constexpr const char* kMaps = "4b5a18b7d137c3baaca1b77719058c6837dadfbee90c338556277eca29c2c7b0";
   SmallJob job;
   job.config.resolved.params.confidence = true;
   std::string pictures;
@@ -95,7 +97,7 @@ TEST(TaskExecutor, DepthAndConfidenceAreThoseOfTheAlgorithmVersion) {
       codes.push_back(static_cast<char>(code >> 8U));
     }
   }
-  EXPECT_EQ(kAlgorithmVersion, 8U);
+  EXPECT_EQ(kAlgorithmVersion, 9U);
   EXPECT_EQ(Hex(Sha256(codes)), kMaps);
 }
 
@@ -272,11 +274,27 @@ TEST(TaskExecutor, NamesEveryMissingInput) {
 TEST(TaskExecutor, AnErrorOfAPictureNamesCameraFrameAndFile) {
   SmallJob job;
   TestWorker worker;
+  AnalyseFirstFrame(job, worker);
   std::ofstream(job.picture(1, 2)) << "too short";
   const TaskOutcome outcome = worker.Execute(job.Analyse(1, 2), job.config);
   EXPECT_EQ(outcome.status.code(), ErrorCode::kInvalidArgument);
   EXPECT_THAT(outcome.status.message(), HasSubstr("camera 'cam2', frame 6"));
   EXPECT_THAT(outcome.status.message(), HasSubstr(job.picture(1, 2).string()));
+}
+
+TEST(TaskExecutor, AnAnalysisOfAPFrameIsGivenThatOfTheFrameBeforeAndNoOther) {
+  SmallJob job;
+  TestWorker worker;
+  AnalyseFirstFrame(job, worker);
+  TaskSpec alone = job.Analyse(1, 2);
+  const std::vector<TaskInput> before = std::exchange(alone.inputs, {});
+  EXPECT_EQ(worker.Execute(alone, job.config).status.code(), ErrorCode::kInvalidArgument);
+  TaskSpec of_i_frame = job.Analyse(0, 2);
+  of_i_frame.inputs = before;
+  EXPECT_EQ(worker.Execute(of_i_frame, job.config).status.code(), ErrorCode::kInvalidArgument);
+  TaskSpec of_another_view = job.Analyse(1, 1);
+  of_another_view.inputs = before;
+  EXPECT_EQ(worker.Execute(of_another_view, job.config).status.code(), ErrorCode::kInvalidArgument);
 }
 
 TEST(TaskExecutor, AMissingPictureMayBeReadableElsewhere) {
@@ -472,7 +490,8 @@ TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {
   const SmallJob job;
   const JobView view = job.config.resolved.views[0];
   const EstimationParams params = job.config.resolved.params;
-  const AnalysisDigests digest{.picture = Sha256("picture"), .mask = {}, .prior = {}, .prior_confidence = {}};
+  const AnalysisDigests digest{
+      .picture = Sha256("picture"), .mask = {}, .prior = {}, .prior_confidence = {}, .before = {}};
   std::vector<ArtifactKey> keys{AnalysisKey(view, params, digest)};
   const auto with_digests = [&](const auto& change) {
     AnalysisDigests other = digest;
@@ -481,6 +500,7 @@ TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {
   };
   with_digests([](AnalysisDigests& d) { d.picture = Sha256("other"); });
   with_digests([](AnalysisDigests& d) { d.mask = Sha256("mask"); });
+  with_digests([](AnalysisDigests& d) { d.before = Sha256("frame before"); });
   with_digests([](AnalysisDigests& d) { d.prior = Sha256("mask"); });
   with_digests([](AnalysisDigests& d) { d.prior = Sha256("prior"); });
   with_digests([](AnalysisDigests& d) { d.prior = Sha256("prior"), d.prior_confidence = Sha256("sure"); });
@@ -502,9 +522,15 @@ TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {
   changed = params;
   changed.snic_compactness += 1e-12;
   keys.push_back(AnalysisKey(view, changed, digest));
+  AnalysisDigests of_p_frame = digest;  // where a picture stands still it has the segments of the frame before
+  of_p_frame.before = Sha256("frame before");
+  changed = params;
+  ++changed.p_threshold;
+  keys.push_back(AnalysisKey(view, changed, of_p_frame));
   const std::set<ArtifactKey> distinct(keys.begin(), keys.end());
   EXPECT_EQ(distinct.size(), keys.size());
 
+  EXPECT_EQ(AnalysisKey(view, changed, digest), keys[0]);  // an I frame's does not ask for it
   changed = params;
   changed.levels = 99;
   changed.smoothing = 9;

@@ -115,5 +115,35 @@ TEST(KeepUnchanged, StaysTheSameOverManyFramesAndDoesNotGrow) {
   EXPECT_EQ(last.Map(), first.Map());
 }
 
+TEST(StartFromAround, TakesThePlaneOfTheMostAlikeColourOnItsLevel) {
+  const ViewAnalysis before = Columns({10, 20, 30, 40});
+  RefinedView refined = Start(before, 7);
+  refined.planes = {{0.25F, 0, 5}, {0, 0, 5.5F}, {0, 0, 9}, {0, 0, 4}};
+  const ViewAnalysis now = Columns({31, 31, 31, 31});
+  RefinedView view = StartView(now.segments, std::vector<SlantedPlane>(4, SlantedPlane{0, 0, 5}));
+  view.kept[3] = 1;
+  StartFromAround(now.segments, {&before, &refined}, std::vector<double>(4, 0.9), view);
+  // All that is 4 or 8 pixels away is outside the picture; each sees what was at its own place.
+  EXPECT_EQ(view.planes[0], refined.planes[0]);
+  EXPECT_EQ(view.planes[1], refined.planes[1]);
+  EXPECT_EQ(view.planes[2], (SlantedPlane{0, 0, 5}));  // 9 is another level
+  EXPECT_EQ(view.planes[3], (SlantedPlane{0, 0, 5}));  // kept
+}
+
+TEST(StartFromAround, FollowsASurfaceThatMoved) {
+  ViewAnalysis before{.picture = YcbcrImage(16, 1), .segments = {}};
+  before.segments.labels = Grid<SegmentIndex>(16, 1);
+  for (int x = 8; x < 16; ++x) before.segments.labels(x, 0) = 1;
+  before.segments.centers = {{4, 0}, {12, 0}};
+  before.segments.means = {{10 * kMeanColorScale, 0, 0}, {90 * kMeanColorScale, 0, 0}};
+  RefinedView refined = StartView(before.segments, std::vector<SlantedPlane>{{0, 0, 2}, {0.01F, 0, 2}});
+  ViewAnalysis now = before;
+  now.segments.means[0] = before.segments.means[1];  // what was right of it
+  RefinedView view = StartView(now.segments, std::vector<SlantedPlane>(2, SlantedPlane{0, 0, 2.2F}));
+  StartFromAround(now.segments, {&before, &refined}, std::vector<double>(2, 0.5), view);
+  EXPECT_EQ(view.planes[0], refined.planes[1]);
+  EXPECT_EQ(view.planes[1], refined.planes[1]);
+}
+
 }  // namespace
 }  // namespace depthfarm
