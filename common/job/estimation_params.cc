@@ -35,7 +35,7 @@ Status EstimationParams::Validate() const {
   if (!(snic_compactness > 0) || snic_compactness > 1000) {
     return OutOfRange("snic-compactness", snic_compactness, "> 0, at most 1000");
   }
-  if (gop < 1 || gop > 1'000'000) return OutOfRange("gop", gop, "1 to 1000000");
+  if (gop < 0 || gop > 1'000'000) return OutOfRange("gop", gop, "1 to 1000000, or all");
   if (p_threshold < 0 || p_threshold > 255) return OutOfRange("p-threshold", p_threshold, "0 to 255");
   if (i_threshold < 0 || i_threshold > 255) return OutOfRange("i-threshold", i_threshold, "0 to 255");
   if (level_blocks < 0 || level_blocks > 4096) return OutOfRange("level-blocks", level_blocks, "1 to 4096, or auto");

@@ -38,10 +38,10 @@ struct EstimationParams {
   double matching_offset = 30;  // K of eq. (5), grey levels summed over Y, Cb, Cr; > 0, <= 765
   int uniqueness = 75;  // a match counts by how much it beats this share of its epipolar line, %; 0: in full (5); 0..99
   double snic_compactness = 5;  // m of SNIC (paper IV-C), > 0
-  int gop = 10;                 // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1 = I frames only
-  int p_threshold = 3;          // T_P of III-E, grey levels
-  int i_threshold = 1;          // T_I of III-E
-  int level_blocks = 0;         // n of IV-A; 0: from the job alone, see ResolveJob
+  int gop = 10;          // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1: I frames only; 0: one I frame
+  int p_threshold = 3;   // T_P of III-E, grey levels
+  int i_threshold = 1;   // T_I of III-E
+  int level_blocks = 0;  // n of IV-A; 0: from the job alone, see ResolveJob
   Partition partition = Partition::kInterleaved;
   Search search = Search::kSparse;
   int max_sweeps = 1;       // sweeps over the levels of a block; 0: until no move lowers the energy. A second one finds

@@ -158,6 +158,7 @@ Status ResolveFrames(const std::vector<const SequenceCamera*>& views, ResolvedJo
                            " are asked for, the sequence has 0:" + std::to_string(available));
   }
   job.num_frames = params.end_frame - params.first_frame;
+  if (params.gop == 0) params.gop = job.num_frames;
   return {};
 }
 

@@ -17,7 +17,7 @@ using ContentDigest = std::array<std::uint8_t, 32>;
 
 // What an input of a task is for. Inputs of a task are ordered by role, then by view.
 enum class InputRole : std::uint8_t {
-  kAnalysis,          // of this frame, one per view; Analyse: what it made when it was done before, if it was
+  kAnalysis,          // of this frame, one per view
   kPreviousAnalysis,  // of frame - 1 (P frames): Analyse, Refine: of the view; Estimate: one per view
   kPreviousLabels,    // label field of frame - 1
   kIAnalysis,         // of the GOP's I frame, one per view (P frames)
@@ -74,10 +74,11 @@ struct TaskSpec {
   TaskId id;
   std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine, Assess
   std::vector<TaskInput> inputs;
-  std::string picture;                         // Analyse: absolute path
-  GuideFiles guides;                           // Analyse
-  std::string staging;                         // Emit, Render, Commit: folder below DIR/.depthfarm-staging
-  std::vector<OutputFile> files;               // Commit: of the frame; Manifest: of all frames, by frame, then view
+  std::optional<TaskInput> known;  // Analyse: what such a task made when it was done before; may be out of date
+  std::string picture;             // Analyse: absolute path
+  GuideFiles guides;               // Analyse
+  std::string staging;             // Emit, Render, Commit: folder below DIR/.depthfarm-staging
+  std::vector<OutputFile> files;   // Commit: of the frame; Manifest: of all frames, by frame, then view
   std::vector<ContentDigest> picture_digests;  // Manifest: of each picture, by frame, then view
   std::vector<VirtualPicture> views;           // Render: of the part; Manifest of a rendering job: all, as `files`
   bool operator==(const TaskSpec&) const = default;

@@ -116,6 +116,9 @@ Status ReadLists(const v1::TaskSpec& proto, TaskSpec& spec) {
     DEPTHFARM_ASSIGN_OR_RETURN(TaskInput parsed, InputFromProto(input));
     spec.inputs.push_back(std::move(parsed));
   }
+  if (proto.has_known()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(spec.known, InputFromProto(proto.known()));
+  }
   for (const v1::OutputFile& file : proto.files()) {
     DEPTHFARM_ASSIGN_OR_RETURN(OutputFile parsed, FromProto(file));
     spec.files.push_back(std::move(parsed));
@@ -286,6 +289,7 @@ v1::TaskSpec ToProto(const TaskSpec& spec) {
   *proto.mutable_id() = ToProto(spec.id);
   if (spec.output_key) proto.set_output_key(DigestBytes(*spec.output_key));
   for (const TaskInput& input : spec.inputs) *proto.add_inputs() = InputToProto(input);
+  if (spec.known) *proto.mutable_known() = InputToProto(*spec.known);
   proto.set_picture(spec.picture);
   proto.set_mask(spec.guides.mask);
   proto.set_prior(spec.guides.prior);

@@ -78,6 +78,15 @@ Status ParseSweeps(std::string_view text, EstimationParams& params) {
   return {};
 }
 
+Status ParseGop(std::string_view text, int& gop) {
+  if (text == "all") {
+    gop = 0;
+    return {};
+  }
+  if (!ParseNumber(text, gop) || gop < 1) return Refuse("gop", text, "all or a whole number > 0");
+  return {};
+}
+
 Status ParsePartition(std::string_view text, Partition& partition) {
   if (text == "blocks") {
     partition = Partition::kContiguous;
@@ -150,8 +159,8 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      [](std::string_view text, EstimationParams& params) {
        return ParseReal("snic-compactness", text, params.snic_compactness);
      }},
-    {"gop", "N", "Frames from one I frame to the next; 1: every frame on its own; default 10",
-     [](std::string_view text, EstimationParams& params) { return ParseInteger("gop", text, params.gop); }},
+    {"gop", "N|all", "Frames from one I frame to the next; 1: every frame on its own; all: one I frame; default 10",
+     [](std::string_view text, EstimationParams& params) { return ParseGop(text, params.gop); }},
     {"p-threshold", "T", "Colour change below which a segment keeps its depth of the frame before; default 3",
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("p-threshold", text, params.p_threshold);

@@ -98,7 +98,7 @@ ArtifactKey ArtifactKeys::Refine(int round, int view, std::span<const Input> inp
 }
 
 ArtifactKey ArtifactKeys::AnalysisRequest(const JobConfig& config, int view, const std::string& picture,
-                                          const GuideFiles& guides) {
+                                          const GuideFiles& guides, std::span<const Input> inputs) {
   const JobView& of = config.resolved.views[static_cast<std::size_t>(view)];
   const EstimationParams& params = config.resolved.params;
   return KeyBuilder("analysis request")
@@ -120,6 +120,8 @@ ArtifactKey ArtifactKeys::AnalysisRequest(const JobConfig& config, int view, con
       .Add(guides.mask)
       .Add(guides.prior)
       .Add(guides.prior_confidence)
+      .Add(params.p_threshold)  // where there are inputs
+      .Add(inputs)
       .Build();
 }
 

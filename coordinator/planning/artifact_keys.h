@@ -26,7 +26,7 @@ class ArtifactKeys {
   [[nodiscard]] ArtifactKey Refine(int round, int view, std::span<const Input> inputs) const;
   // Of all that an Analyse task reads and does, with the names of its files in place of what they hold.
   [[nodiscard]] static ArtifactKey AnalysisRequest(const JobConfig& config, int view, const std::string& picture,
-                                                   const GuideFiles& guides);
+                                                   const GuideFiles& guides, std::span<const Input> inputs);
   [[nodiscard]] ArtifactKey Assess(int view, std::span<const Input> inputs) const;
 
  private:

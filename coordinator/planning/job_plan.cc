@@ -9,7 +9,8 @@
 namespace depthfarm {
 namespace {
 
-constexpr std::int64_t kMaxDepthFiles = 400'000;  // about 120 bytes each in a message of at most 64 MiB
+constexpr std::int64_t kMaxDepthFiles = 400'000;    // about 120 bytes each in a message of at most 64 MiB
+constexpr std::int64_t kMaxTasksOfGop = 2'000'000;  // in memory together, some 500 bytes each
 
 std::uint64_t CountMerges(const std::vector<std::vector<MergePair>>& rounds) {
   std::uint64_t count = 0;
@@ -33,9 +34,18 @@ int NumParts(std::size_t num_views) { return static_cast<int>((num_views + kView
 
 Status CheckPlannable(const ResolvedJob& job) {
   const std::int64_t files = std::int64_t{job.num_frames} * job.num_views() * (job.params.confidence ? 2 : 1);
-  if (files <= kMaxDepthFiles) return {};
-  return InvalidArgument("the job has " + std::to_string(files) + " depth and confidence files, expected at most " +
-                         std::to_string(kMaxDepthFiles) + ": submit it in parts with --frames");
+  if (files > kMaxDepthFiles) {
+    return InvalidArgument("the job has " + std::to_string(files) + " depth and confidence files, expected at most " +
+                           std::to_string(kMaxDepthFiles) + ": submit it in parts with --frames");
+  }
+  const std::int64_t frames = std::min(job.params.gop, job.num_frames);
+  const std::int64_t tasks = frames * (std::int64_t{job.num_views()} * (2 + job.params.refine_rounds) +
+                                       2 * std::int64_t{std::max(job.level_blocks_i, job.level_blocks_p)});
+  if (tasks > kMaxTasksOfGop) {
+    return InvalidArgument("a GOP of " + std::to_string(frames) + " frames has about " + std::to_string(tasks) +
+                           " tasks, expected at most " + std::to_string(kMaxTasksOfGop) + ": choose a smaller --gop");
+  }
+  return {};
 }
 
 JobPlan::JobPlan(PlannedJob job)

@@ -13,8 +13,9 @@ namespace depthfarm {
 
 // A task with all that its worker needs, but for the addresses of the workers that hold its inputs.
 struct GrantedTask {
-  TaskSpec spec;                               // inputs without locations
+  TaskSpec spec;                               // inputs, and what is known, without locations
   std::vector<std::vector<WorkerId>> holders;  // per input, at most a few, never empty
+  std::vector<WorkerId> holders_of_known;
 };
 
 struct Grant {

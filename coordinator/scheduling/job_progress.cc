@@ -198,8 +198,10 @@ std::optional<ArtifactKey> JobProgress::WorkOf(const TaskId& id) const {
   const PlannedJob& job = plan_.job();
   const auto view = static_cast<std::size_t>(id.index);
   const auto frame = static_cast<std::size_t>(id.frame);
+  std::vector<ArtifactKeys::Input> inputs;
+  for (const TaskInput& input : BoundInputs(id)) inputs.push_back({input.role, input.artifact.key});
   return ArtifactKeys::AnalysisRequest(job.config, id.index, job.pictures[view][frame],
-                                       job.guides.empty() ? GuideFiles{} : job.guides[view][frame]);
+                                       job.guides.empty() ? GuideFiles{} : job.guides[view][frame], inputs);
 }
 
 TaskSpec JobProgress::Spec(const TaskId& id) const {
@@ -239,7 +241,7 @@ std::optional<GrantedTask> JobProgress::Take(const TaskId& id, LeaseId lease) {
   Settle();
   Task* task = table_.Find(id);
   if (task == nullptr || task->state != TaskState::kReady) return std::nullopt;
-  GrantedTask granted{Spec(id), {}};
+  GrantedTask granted{Spec(id), {}, {}};
   if (StagesFiles(id.kind)) granted.spec.staging = StagingName(id.frame, task->failures + 1, lease);
   for (const TaskInput& input : granted.spec.inputs)
     granted.holders.push_back(HoldersToTell(directory_, input.artifact.key, lease));

@@ -136,7 +136,7 @@ void Scheduler::On(const TaskFinished& event) {
   JobRecord* job = FindJob(event.task.job);
   if (!lease || job == nullptr || job->progress->Find(event.task) == nullptr) return;
   ++worker->tasks_done;
-  TaskDone(*job, event);
+  TaskDone(*job, event, *lease);
 }
 
 void Scheduler::On(const TaskFailed& event) {

@@ -96,7 +96,7 @@ class Scheduler {
 
   // scheduler_jobs.cc
   [[nodiscard]] JobRecord* FindJob(JobId id);
-  void TaskDone(JobRecord& job, const TaskFinished& event);
+  void TaskDone(JobRecord& job, const TaskFinished& event, const Lease& lease);
   void CountFailure(const TaskId& task, WorkerId worker, const Status& error);
   void ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease);
   void EndJobBadly(JobId id, JobState state, const Status& error);

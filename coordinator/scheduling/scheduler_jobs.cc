@@ -35,15 +35,14 @@ void Scheduler::On(const JobSubmitted& event) {
 
 void Scheduler::On(const JobCancelled& event) { EndJobBadly(event.job, JobState::kCancelled, Cancelled()); }
 
-void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event) {
+void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease& lease) {
   const std::vector<ArtifactInfo> inputs = job.progress->InputsOf(event.task);
   Result<bool> changed_content = job.progress->Finish(event);
   if (!changed_content.ok()) {
     CountFailure(event.task, event.worker, changed_content.status());
     return;
   }
-  if (event.task.kind == TaskKind::kAnalyse)
-    analyses_.Remember(job.progress->WorkOf(event.task).value(), event.artifact->key);
+  if (event.task.kind == TaskKind::kAnalyse && lease.work) analyses_.Remember(*lease.work, event.artifact->key);
   if (*changed_content) AddViolation(event.task.job, event.artifact->key, TaskName(event.task));
   // What a worker has read it holds, until it says otherwise (PROTOCOL.md).
   for (const ArtifactInfo& input : inputs) (void)directory_.Add(event.worker, input);
@@ -282,8 +281,8 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
   job.last_grant = lease_id.value();
   Worker& worker = *workers_.Find(placement.worker);
   if (const std::optional<ArtifactInfo> hint = HintOf(job, placement.task)) {
-    task->spec.inputs.push_back({*hint, InputRole::kAnalysis, placement.task.index, {}});
-    task->holders.push_back(HoldersToTell(directory_, hint->key, lease_id));
+    task->spec.known = TaskInput{*hint, InputRole::kAnalysis, placement.task.index, {}};
+    task->holders_of_known = HoldersToTell(directory_, hint->key, lease_id);
   }
   Lease& lease = workers_.AddLease(lease_id, {.task = placement.task,
                                               .worker = worker.id,

@@ -20,6 +20,9 @@ void Coordinator::Do(const Grant& action) {
       if (const WorkerSession* session = workers_.Find(holder)) spec.inputs[i].locations.push_back(session->artifacts);
     }
   }
+  for (const WorkerId holder : action.task.holders_of_known) {
+    if (const WorkerSession* session = workers_.Find(holder)) spec.known->locations.push_back(session->artifacts);
+  }
   *grant->mutable_task() = ToProto(spec);
   if (action.first_of_job) *grant->mutable_job() = jobs_.at(spec.id.job).config;
   SendTo(action.worker, envelope);

@@ -6,6 +6,13 @@
 
 namespace depthfarm {
 
+std::uint64_t FetchIntoStore(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskInput& artifact,
+                             const std::stop_token& stop) {
+  if (store.Find(artifact.artifact.key).has_value()) return 0;
+  const Result<std::string> bytes = fetcher.Fetch(artifact, stop);
+  return bytes.ok() && store.Put(artifact.artifact.key, *bytes).ok() ? bytes->size() : 0;
+}
+
 FetchedAhead FetchAhead(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskSpec& spec,
                         const std::stop_token& stop) {
   std::vector<ArtifactKey> keys;
@@ -14,10 +21,10 @@ FetchedAhead FetchAhead(ArtifactStore& store, ArtifactFetcher& fetcher, const Ta
   if (spec.output_key.has_value() && store.Find(*spec.output_key).has_value()) return fetched;  // nothing will be read
   for (const TaskInput& input : spec.inputs) {
     if (stop.stop_requested()) break;
-    if (store.Find(input.artifact.key).has_value()) continue;
-    const Result<std::string> bytes = fetcher.Fetch(input, stop);
-    if (bytes.ok() && store.Put(input.artifact.key, *bytes).ok()) fetched.bytes += bytes->size();
+    fetched.bytes += FetchIntoStore(store, fetcher, input, stop);
   }
+  if (spec.known.has_value() && !stop.stop_requested())
+    fetched.bytes += FetchIntoStore(store, fetcher, *spec.known, stop);
   return fetched;
 }
 

@@ -16,6 +16,11 @@ struct FetchedAhead {
   ArtifactPins pins;  // keep its inputs in the store until then
 };
 
+// Fetches an artifact into the store unless it is there; the number of bytes that came, 0 when it could not be had or
+// stored.
+[[nodiscard]] std::uint64_t FetchIntoStore(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskInput& artifact,
+                                           const std::stop_token& stop);
+
 // Fetches the inputs of a task that the store does not hold, into the store. What cannot be had or stored is left to
 // the task, which will try again and say why. Returns soon after `stop` is requested.
 [[nodiscard]] FetchedAhead FetchAhead(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskSpec& spec,

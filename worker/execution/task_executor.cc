@@ -263,9 +263,8 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     const ArtifactKey key = AnalysisKey(view, params, digests);
     outcome.picture_digest = digests.picture;
     outcome.output_key = key;
-    // The input, if there is one, is what the coordinator believes this task to make.
-    if (!store_.Find(key).has_value() && !task.spec.inputs.empty() && task.spec.inputs[0].artifact.key == key)
-      outcome.stats.fetched_bytes = FetchAhead(store_, fetcher_, task.spec, task.stop).bytes;
+    if (task.spec.known.has_value() && task.spec.known->artifact.key == key)
+      outcome.stats.fetched_bytes = FetchIntoStore(store_, fetcher_, *task.spec.known, task.stop);
     if (const auto known = task.inputs.Find<ViewAnalysis>(key); known != nullptr) {
       outcome.artifact = store_.Find(key);
       outcome.stats.segments = static_cast<std::uint32_t>(known->segments.num_segments());

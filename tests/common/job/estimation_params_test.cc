@@ -48,7 +48,7 @@ TEST(EstimationParams, RefusesValuesOutsideTheirBoundsByName) {
       {[](EstimationParams& p) { p.snic_compactness = 0; }, "snic-compactness is 0"},
       {[](EstimationParams& p) { p.snic_compactness = 1001; }, "snic-compactness is 1001"},
       {[](EstimationParams& p) { p.snic_compactness = kNaN; }, "snic-compactness is nan"},
-      {[](EstimationParams& p) { p.gop = 0; }, "gop is 0"},
+      {[](EstimationParams& p) { p.gop = -1; }, "gop is -1"},
       {[](EstimationParams& p) { p.gop = 1'000'001; }, "gop is 1000001"},
       {[](EstimationParams& p) { p.p_threshold = -1; }, "p-threshold is -1"},
       {[](EstimationParams& p) { p.p_threshold = 256; }, "p-threshold is 256"},

@@ -31,8 +31,8 @@ EstimationParams WithViews(const std::vector<std::string>& views) {
 
 TEST(ResolveJobErrors, ParametersOutsideTheirBounds) {
   EstimationParams params;
-  params.gop = 0;
-  EXPECT_THAT(Refusal(LineSequence({0, 0.1}), params), HasSubstr("gop is 0"));
+  params.gop = -1;
+  EXPECT_THAT(Refusal(LineSequence({0, 0.1}), params), HasSubstr("gop is -1"));
 }
 
 TEST(ResolveJobErrors, UnknownView) {

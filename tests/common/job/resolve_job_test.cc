@@ -49,6 +49,13 @@ TEST(ResolveJobSegments, OfLargeRefinedViewsAreLarger) {
   EXPECT_EQ(segments(1920, 1080, 0), 1920 * 1080 / 20);  // the paper's
 }
 
+TEST(ResolveJob, OneGopForAllFramesIsAsLongAsTheJob) {
+  EstimationParams params;
+  params.gop = 0;
+  const ResolvedJob job = Resolved(LineSequence({0, 0.1}), params);
+  EXPECT_EQ(job.params.gop, job.num_frames);
+}
+
 TEST(ResolveJob, OnlyViewsWithFilesAreGuided) {
   Sequence sequence = LineSequence({0, 0.1});
   const std::vector<std::string> none(sequence.cameras[0].images.size());

@@ -210,7 +210,7 @@ TEST(ParamsWire, HostileValuesAreRefused) {
     return FromProto(proto).status().code() == ErrorCode::kInvalidArgument;
   };
   EXPECT_TRUE(refused([](auto& p) { p.set_segments(4'294'967'295U); }));
-  EXPECT_TRUE(refused([](auto& p) { p.set_gop(0); }));
+  EXPECT_TRUE(refused([](auto& p) { p.set_gop(2'000'000); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_smoothing(kNaN); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_z_near(kNaN); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_z_far(kInfinity); }));

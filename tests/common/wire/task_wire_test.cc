@@ -56,6 +56,7 @@ TEST(TaskSpecWire, EveryFieldComesBack) {
   TaskSpec analyse;
   analyse.id = {JobId(3), 12, TaskKind::kAnalyse, 4, 0};
   analyse.picture = "/data/a b.png";
+  analyse.known = TaskInput{{Digest(8), 79, Digest(9)}, InputRole::kAnalysis, 4, {{"ipc:///tmp/w", ""}}};
   TaskSpec manifest;
   manifest.id = {JobId(3), 0, TaskKind::kManifest, 0, 0};
   manifest.files = CommitSpec().files;

@@ -224,5 +224,12 @@ TEST(JobPlan, AJobTooLongForItsManifestIsRefused) {
   EXPECT_EQ(CheckPlannable(job).code(), ErrorCode::kInvalidArgument);
 }
 
+TEST(JobPlan, AGopTooLargeForMemoryIsRefused) {
+  ResolvedJob job = MakePlannedJob({.frames = 150'000, .views = 2, .refine = 4}).config.resolved;
+  EXPECT_TRUE(CheckPlannable(job).ok());
+  job.params.gop = job.num_frames;
+  EXPECT_THAT(CheckPlannable(job).message(), testing::HasSubstr("choose a smaller --gop"));
+}
+
 }  // namespace
 }  // namespace depthfarm

@@ -635,7 +635,7 @@ TEST(Scheduler, WorkDoneForOneJobIsNotDoneAgainForAnother) {
   EXPECT_EQ(farm.ended.at(JobId(2)).stages[static_cast<std::size_t>(TaskKind::kEstimate)].reused, 8U);
 }
 
-TEST(Scheduler, AnAnalysisThatWasMadeBeforeGoesWhereItIsHeldAndIsNamedAsInput) {
+TEST(Scheduler, AnAnalysisThatWasMadeBeforeGoesWhereItIsHeldAndIsNamed) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.id = 1, .frames = 1, .gop = 1, .views = 1}));
   farm.JoinAndAsk();
@@ -646,21 +646,21 @@ TEST(Scheduler, AnAnalysisThatWasMadeBeforeGoesWhereItIsHeldAndIsNamedAsInput) {
   farm.Finish(holder);  // Prepare
   const Grant analyse = farm.Running(holder);
   ASSERT_EQ(analyse.task.spec.id.kind, TaskKind::kAnalyse);
-  ASSERT_EQ(analyse.task.spec.inputs.size(), 1U);
-  EXPECT_EQ(analyse.task.spec.inputs[0].artifact.key, Sha256("/in/cam0/0.png"));
-  EXPECT_THAT(analyse.task.holders[0], testing::ElementsAre(holder));
+  ASSERT_TRUE(analyse.task.spec.known.has_value());
+  EXPECT_EQ(analyse.task.spec.known->artifact.key, Sha256("/in/cam0/0.png"));
+  EXPECT_THAT(analyse.task.holders_of_known, testing::ElementsAre(holder));
   EXPECT_TRUE(farm.IsIdle(stranger));
   farm.RunToTheEnd();
 }
 
-TEST(Scheduler, AnAnalysisThatNobodyHoldsAnyMoreIsNoInput) {
+TEST(Scheduler, AnAnalysisThatNobodyHoldsAnyMoreIsNotNamed) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.id = 1, .frames = 1, .gop = 1, .views = 1}));
   const WorkerId worker = farm.JoinAndAsk();
   farm.RunToTheEnd();
   farm.Drop(worker, Sha256("/in/cam0/0.png"));
   farm.Submit(MakePlannedJob({.id = 2, .frames = 1, .gop = 1, .views = 1}));
-  EXPECT_TRUE(RunUntil(farm, worker, TaskKind::kAnalyse).task.spec.inputs.empty());
+  EXPECT_FALSE(RunUntil(farm, worker, TaskKind::kAnalyse).task.spec.known.has_value());
 }
 
 TEST(Scheduler, WhatOneJobMakesNowIsNotMadeByAnother) {

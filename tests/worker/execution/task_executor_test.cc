@@ -178,7 +178,7 @@ TEST(TaskExecutor, AnAnalysisThatAnotherWorkerHoldsIsFetchedNotMade) {
   const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
   second.fetcher.stores = {first.store.get()};
   TaskSpec spec = job.Analyse(0, 0);
-  spec.inputs = {{*made.artifact, InputRole::kAnalysis, 0, {}}};
+  spec.known = TaskInput{*made.artifact, InputRole::kAnalysis, 0, {}};
   const TaskOutcome outcome = second.Execute(spec, job.config);
   ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
   EXPECT_TRUE(outcome.stats.reused);
@@ -194,7 +194,7 @@ TEST(TaskExecutor, AnAnalysisOfAPictureThatChangedIsMadeWhateverTheCoordinatorBe
   const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
   second.fetcher.stores = {first.store.get()};
   TaskSpec spec = job.Analyse(0, 1);  // as if this were what the file holds now
-  spec.inputs = {{*made.artifact, InputRole::kAnalysis, 0, {}}};
+  spec.known = TaskInput{*made.artifact, InputRole::kAnalysis, 0, {}};
   const TaskOutcome outcome = second.Execute(spec, job.config);
   ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
   EXPECT_FALSE(outcome.stats.reused);
@@ -208,7 +208,7 @@ TEST(TaskExecutor, AnAnalysisThatCannotBeFetchedIsMade) {
   TestWorker second;
   const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
   TaskSpec spec = job.Analyse(0, 0);
-  spec.inputs = {{*made.artifact, InputRole::kAnalysis, 0, {}}};
+  spec.known = TaskInput{*made.artifact, InputRole::kAnalysis, 0, {}};
   const TaskOutcome outcome = second.Execute(spec, job.config);
   ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
   EXPECT_FALSE(outcome.stats.reused);
