@@ -1,6 +1,8 @@
 #ifndef DEPTHFARM_TESTS_BENCHMARKS_BENCHMARKS_H_
 #define DEPTHFARM_TESTS_BENCHMARKS_BENCHMARKS_H_
 
+#include <cstddef>
+
 #include "tests/benchmarks/measured_frames.h"
 
 namespace depthfarm::benchmarks {
@@ -9,6 +11,8 @@ namespace depthfarm::benchmarks {
 // the library itself ends with success.
 void RegisterStageBenchmarks(MeasuredFrames& frames, bool& failed);
 void RegisterFlowBenchmarks(MeasuredFrames& frames, bool& failed);
+// An artifact of that size moves between processes so many times, in turn with bare ZeroMQ.
+void RegisterTransferBenchmarks(std::size_t artifact_bytes, int rounds, bool& failed);
 
 }  // namespace depthfarm::benchmarks
 

@@ -1,6 +1,6 @@
-// depthfarm-benchmarks: CPU time of the core's stages on a rendered scene, and of its maximum flow beside those of
-// others. Built where Google Benchmark is there, never installed. Takes its options, and --quick: a tiny scene, in
-// seconds, to see that all of it works.
+// depthfarm-benchmarks: CPU time of the core's stages on a rendered scene, of its maximum flow beside those of others,
+// and the transfer of artifacts beside bare ZeroMQ. Built where Google Benchmark is there, never installed. Takes its
+// options, and --quick: a tiny scene, in seconds, to see that all of it works.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -9,6 +9,11 @@
 #include "tests/benchmarks/benchmarks.h"
 
 namespace {
+
+constexpr std::size_t kArtifactBytes = std::size_t{256} << 20;
+constexpr std::size_t kQuickArtifactBytes = std::size_t{9} << 20;
+constexpr int kRounds = 9;
+constexpr int kQuickRounds = 1;
 
 // Runs what the words ask for. Without an option of the library's own that says so, --quick spends no time on
 // exactness.
@@ -28,6 +33,8 @@ int Run(std::vector<std::string> words) {
   bool failed = false;
   depthfarm::benchmarks::RegisterStageBenchmarks(frames, failed);
   depthfarm::benchmarks::RegisterFlowBenchmarks(frames, failed);
+  depthfarm::benchmarks::RegisterTransferBenchmarks(quick ? kQuickArtifactBytes : kArtifactBytes,
+                                                    quick ? kQuickRounds : kRounds, failed);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return failed ? 1 : 0;
