@@ -7,6 +7,8 @@ namespace depthfarm {
 
 // The largest message of the farm; artifacts travel in chunks of 1 MiB.
 inline constexpr std::int64_t kMaxMessageBytes = std::int64_t{64} << 20;
+// Messages that wait for one peer; more are dropped.
+inline constexpr int kMaxQueuedMessages = 10'000;
 
 // What a Poller can wait for. A channel belongs to one thread at a time.
 class Channel {

@@ -24,6 +24,20 @@ bool WaitReadable(zmq::socket_t& socket, std::chrono::milliseconds timeout) {
 
 }  // namespace
 
+struct ReceivedMessage::State {
+  zmq::message_t payload;
+  zmq::message_t attachment;
+  int frames = 0;
+};
+
+ReceivedMessage::ReceivedMessage() : state_(std::make_unique<State>()) {}
+ReceivedMessage::ReceivedMessage(ReceivedMessage&& other) noexcept = default;
+ReceivedMessage& ReceivedMessage::operator=(ReceivedMessage&& other) noexcept = default;
+ReceivedMessage::~ReceivedMessage() = default;
+
+std::string_view ReceivedMessage::payload() const { return state_->payload.to_string_view(); }
+std::string_view ReceivedMessage::attachment() const { return state_->attachment.to_string_view(); }
+
 struct ClientChannel::State {
   zmq::socket_t socket;
   std::string endpoint;
@@ -72,23 +86,36 @@ Status ClientChannel::Send(std::string_view payload) {
 }
 
 Result<std::optional<std::string>> ClientChannel::Receive(std::chrono::milliseconds timeout) {
+  const auto deadline = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<ReceivedMessage> message, ReceiveAttached(left));
+    if (!message.has_value()) return std::optional<std::string>();
+    if (message->state_->frames == 1) return std::optional<std::string>(message->payload());
+  }
+}
+
+Result<std::optional<ReceivedMessage>> ClientChannel::ReceiveAttached(std::chrono::milliseconds timeout) {
   zmq::socket_t& socket = state_->socket;
   try {
     const auto deadline = std::chrono::steady_clock::now() + timeout;
     for (;;) {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
       if (left.count() > 0) WaitReadable(socket, left);
-      zmq::message_t payload;
-      if (!socket.recv(payload, zmq::recv_flags::dontwait)) {
+      ReceivedMessage message;
+      ReceivedMessage::State& state = *message.state_;
+      if (!socket.recv(state.payload, zmq::recv_flags::dontwait)) {
         if (left.count() > 0) continue;
-        return std::optional<std::string>();
+        return std::optional<ReceivedMessage>();
       }
-      if (!payload.more()) return std::optional<std::string>(payload.to_string());
-      for (bool more = true; more;) {
-        zmq::message_t rest;
-        if (!socket.recv(rest)) return Internal("a message ended before its last frame");
-        more = rest.more();
+      state.frames = 1;
+      for (bool more = state.payload.more(); more; ++state.frames) {
+        zmq::message_t frame;
+        if (!socket.recv(frame)) return Internal("a message ended before its last frame");
+        more = frame.more();
+        if (state.frames == 1) state.attachment = std::move(frame);
       }
+      if (state.frames <= 2) return std::optional<ReceivedMessage>(std::move(message));
     }
   } catch (const zmq::error_t& error) {
     return SocketFailure("receive from", state_->endpoint, error);

@@ -11,6 +11,7 @@
 #include "common/transport/channel.h"
 #include "common/transport/context.h"
 #include "common/transport/keys.h"
+#include "common/transport/received_message.h"
 
 namespace depthfarm {
 
@@ -36,6 +37,8 @@ class ClientChannel : public Channel {
   [[nodiscard]] Status Send(std::string_view payload);
   // The next message, or none within `timeout` (0: none waiting). Messages of several frames are skipped.
   [[nodiscard]] Result<std::optional<std::string>> Receive(std::chrono::milliseconds timeout);
+  // The same for messages of one or two frames; longer ones are skipped.
+  [[nodiscard]] Result<std::optional<ReceivedMessage>> ReceiveAttached(std::chrono::milliseconds timeout);
 
   [[nodiscard]] void* native_socket() const override;
 

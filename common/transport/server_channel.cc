@@ -8,6 +8,18 @@
 #include "common/transport/socket.h"
 
 namespace depthfarm {
+namespace {
+
+// A frame of the string's own memory, which the library frees when it has left.
+zmq::message_t FrameOf(std::string bytes) {
+  auto owned = std::make_unique<std::string>(std::move(bytes));
+  zmq::message_t frame(
+      owned->data(), owned->size(), [](void*, void* hint) { delete static_cast<std::string*>(hint); }, owned.get());
+  (void)owned.release();
+  return frame;
+}
+
+}  // namespace
 
 struct ServerChannel::State {
   zmq::socket_t socket;
@@ -29,6 +41,7 @@ Result<std::unique_ptr<ServerChannel>> ServerChannel::Bind(TransportContext& con
     zmq::socket_t& socket = channel->state_->socket;
     socket = zmq::socket_t(context.state().zmq, zmq::socket_type::router);
     SetCommonOptions(socket, options.max_message_bytes, options.linger);
+    socket.set(zmq::sockopt::sndhwm, options.max_queued_messages);
     socket.set(zmq::sockopt::router_mandatory, 1);
     socket.set(zmq::sockopt::router_handover, 1);
     if (curve) {
@@ -77,6 +90,20 @@ Status ServerChannel::Send(std::string_view peer, std::string_view payload) {
     if (!socket.send(zmq::buffer(peer), more)) return Unavailable("the peer's queue is full");
     // After the first frame was taken the rest of the message is: ROUTER has chosen and checked the pipe.
     socket.send(zmq::buffer(payload), zmq::send_flags::dontwait);
+    return {};
+  } catch (const zmq::error_t& error) {
+    return SocketFailure("send on", state_->endpoint, error);
+  }
+}
+
+Status ServerChannel::Send(std::string_view peer, std::string_view payload, std::string attachment) {
+  zmq::socket_t& socket = state_->socket;
+  try {
+    zmq::message_t frame = FrameOf(std::move(attachment));
+    const auto more = zmq::send_flags::sndmore | zmq::send_flags::dontwait;
+    if (!socket.send(zmq::buffer(peer), more)) return Unavailable("the peer's queue is full");
+    socket.send(zmq::buffer(payload), more);
+    socket.send(frame, zmq::send_flags::dontwait);
     return {};
   } catch (const zmq::error_t& error) {
     return SocketFailure("send on", state_->endpoint, error);

@@ -16,7 +16,8 @@ namespace depthfarm {
 struct ServerOptions {
   std::string curve_secret_key = {};  // Z85; empty: no CURVE (ipc, or loopback by explicit wish: see CheckSecurity)
   std::int64_t max_message_bytes = kMaxMessageBytes;
-  std::chrono::milliseconds linger{500};  // how long the end of the channel waits for queued messages to leave
+  std::chrono::milliseconds linger{500};         // how long the end of the channel waits for queued messages to leave
+  int max_queued_messages = kMaxQueuedMessages;  // waiting for one peer
 };
 
 // One message and whom it came from.
@@ -42,6 +43,8 @@ class ServerChannel : public Channel {
   [[nodiscard]] Result<std::optional<PeerMessage>> Receive();
   // Never blocks. kUnavailable: the peer is gone or its queue is full.
   [[nodiscard]] Status Send(std::string_view peer, std::string_view payload);
+  // With a second frame, which is not copied.
+  [[nodiscard]] Status Send(std::string_view peer, std::string_view payload, std::string attachment);
 
   [[nodiscard]] void* native_socket() const override;
 

@@ -1,5 +1,7 @@
 #include "common/transport/socket.h"
 
+#include "common/transport/channel.h"
+
 namespace depthfarm {
 namespace {
 
@@ -9,7 +11,6 @@ constexpr int kHandshakeMs = 3000;
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 2000;
 constexpr int kConnectTimeoutMs = 2000;
-constexpr int kQueuedMessages = 10'000;
 
 }  // namespace
 
@@ -23,8 +24,8 @@ void SetCommonOptions(zmq::socket_t& socket, std::int64_t max_message_bytes, std
   socket.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
   socket.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
   socket.set(zmq::sockopt::connect_timeout, kConnectTimeoutMs);
-  socket.set(zmq::sockopt::sndhwm, kQueuedMessages);
-  socket.set(zmq::sockopt::rcvhwm, kQueuedMessages);
+  socket.set(zmq::sockopt::sndhwm, kMaxQueuedMessages);
+  socket.set(zmq::sockopt::rcvhwm, kMaxQueuedMessages);
   socket.set(zmq::sockopt::ipv6, 1);
 }
 

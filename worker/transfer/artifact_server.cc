@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::int64_t kMaxRequestBytes = 4096;
 constexpr std::chrono::milliseconds kWait{1000};
+// A peer has up to 8 requests under way, and may have given up as many: more is somebody who does not read.
+constexpr int kMaxQueuedAnswers = 64;
 
 Result<ArtifactChunk> ReadRequested(ArtifactStore& store, const v1::GetChunk& request) {
   DEPTHFARM_ASSIGN_OR_RETURN(const ArtifactKey key, DigestFromBytes("get_chunk.key", request.key()));
@@ -24,13 +26,14 @@ Result<ArtifactChunk> ReadRequested(ArtifactStore& store, const v1::GetChunk& re
 
 }  // namespace
 
-v1::Envelope AnswerPeer(ArtifactStore& store, const v1::Envelope& request) {
-  v1::Envelope answer;
+PeerAnswer AnswerPeer(ArtifactStore& store, const v1::Envelope& request) {
+  PeerAnswer peer_answer;
+  v1::Envelope& answer = peer_answer.envelope;
   answer.set_request_id(request.request_id());
   if (!request.has_get_chunk()) {
     *answer.mutable_error() =
         ToProto(InvalidArgument("an artifact server answers get_chunk, not " + BodyName(request)));
-    return answer;
+    return peer_answer;
   }
   v1::Chunk& chunk = *answer.mutable_chunk();
   chunk.set_key(request.get_chunk().key().substr(0, std::tuple_size_v<ArtifactKey>));
@@ -38,17 +41,19 @@ v1::Envelope AnswerPeer(ArtifactStore& store, const v1::Envelope& request) {
   Result<ArtifactChunk> read = ReadRequested(store, request.get_chunk());
   if (read.ok()) {
     chunk.set_total_bytes(read->total_bytes);
-    chunk.set_data(std::move(read->data));
+    peer_answer.attachment = std::move(read->data);
   } else {
     *chunk.mutable_error() = ToProto(read.status());
   }
-  return answer;
+  return peer_answer;
 }
 
 Result<std::unique_ptr<ArtifactServer>> ArtifactServer::Start(TransportContext& context, ArtifactStore& store,
                                                               const std::string& endpoint,
                                                               const std::string& curve_secret_key) {
-  const ServerOptions options{.curve_secret_key = curve_secret_key, .max_message_bytes = kMaxRequestBytes};
+  const ServerOptions options{.curve_secret_key = curve_secret_key,
+                              .max_message_bytes = kMaxRequestBytes,
+                              .max_queued_messages = kMaxQueuedAnswers};
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<ServerChannel> channel, ServerChannel::Bind(context, endpoint, options));
   return std::unique_ptr<ArtifactServer>(new ArtifactServer(store, std::move(channel)));
 }
@@ -83,13 +88,16 @@ void ArtifactServer::AnswerWaiting() {
     }
     if (!message->has_value()) return;
     const Result<v1::Envelope> request = ParseEnvelope((*message)->payload);
-    v1::Envelope answer;
+    PeerAnswer answer;
     if (request.ok()) {
       answer = AnswerPeer(store_, *request);
     } else {
-      *answer.mutable_error() = ToProto(request.status());
+      *answer.envelope.mutable_error() = ToProto(request.status());
     }
-    const Status sent = channel_->Send((*message)->peer, SerializeEnvelope(std::move(answer)));
+    const std::string envelope = SerializeEnvelope(std::move(answer.envelope));
+    const Status sent = answer.attachment.empty()
+                            ? channel_->Send((*message)->peer, envelope)
+                            : channel_->Send((*message)->peer, envelope, std::move(answer.attachment));
     if (!sent.ok()) LogDebug("artifact_answer_lost", {{"reason", sent.message()}});
   }
 }

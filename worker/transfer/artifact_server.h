@@ -18,12 +18,19 @@ namespace depthfarm {
 // The largest piece of an artifact in one message.
 inline constexpr std::uint32_t kMaxChunkBytes = 1 << 20;
 
-// What an artifact server answers. GetChunk: a Chunk, whose error says what is wrong (kUnavailable: not in this store;
-// kInvalidArgument: no key, offset past the end, more than kMaxChunkBytes or nothing asked for). Anything else: Error.
-[[nodiscard]] v1::Envelope AnswerPeer(ArtifactStore& store, const v1::Envelope& request);
+// A message and its second frame, if that is not empty.
+struct PeerAnswer {
+  v1::Envelope envelope;
+  std::string attachment;
+};
+
+// What an artifact server answers. GetChunk: a Chunk and its bytes as attachment, or a Chunk whose error says what is
+// wrong (kUnavailable: not in this store; kInvalidArgument: no key, offset past the end, more than kMaxChunkBytes or
+// nothing asked for). Anything else: Error.
+[[nodiscard]] PeerAnswer AnswerPeer(ArtifactStore& store, const v1::Envelope& request);
 
 // Serves the artifacts of a store to other workers from a thread of its own, until it is destroyed. Peers that do not
-// read their answers lose them: nothing waits for anybody.
+// read their answers lose them: nothing waits for anybody, and at most 64 chunks wait for one peer.
 class ArtifactServer {
  public:
   // `curve_secret_key` empty: no CURVE. Errors as ServerChannel::Bind. Context and store must outlive the server.

@@ -1,16 +1,34 @@
 #include "worker/transfer/assembly.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <new>
 #include <stdexcept>
 
 namespace depthfarm {
+namespace {
+
+constexpr std::size_t kLargePageBytes = std::size_t{2} << 20;
+
+// A page of 4 KiB after the other would cost as much as copying into them. Where there are no large pages, nothing
+// happens. Only whole ones, so that no more memory is taken than is used.
+void PreferLargePages(char* bytes, std::size_t size) {
+  const std::size_t before =
+      (kLargePageBytes - reinterpret_cast<std::uintptr_t>(bytes) % kLargePageBytes) % kLargePageBytes;
+  if (size < before + kLargePageBytes) return;
+  (void)::madvise(bytes + before, (size - before) / kLargePageBytes * kLargePageBytes, MADV_HUGEPAGE);
+}
+
+}  // namespace
 
 Result<Assembly> Assembly::Create(std::uint64_t total_bytes, std::uint32_t chunk_bytes) {
   Assembly assembly;
+  assembly.total_bytes_ = total_bytes;
   assembly.chunk_bytes_ = chunk_bytes;
   try {
-    assembly.bytes_.resize(total_bytes);
+    assembly.bytes_.reserve(total_bytes);
+    PreferLargePages(assembly.bytes_.data(), total_bytes);
     assembly.state_.assign((total_bytes + chunk_bytes - 1) / chunk_bytes, State::kMissing);
   } catch (const std::bad_alloc&) {
     return Unavailable("no memory for an artifact of " + std::to_string(total_bytes) + " bytes");
@@ -22,31 +40,57 @@ Result<Assembly> Assembly::Create(std::uint64_t total_bytes, std::uint32_t chunk
 
 Assembly::Piece Assembly::PieceAt(std::size_t index) const {
   const std::uint64_t offset = static_cast<std::uint64_t>(index) * chunk_bytes_;
-  return {offset, static_cast<std::uint32_t>(std::min<std::uint64_t>(chunk_bytes_, bytes_.size() - offset))};
+  return {offset, static_cast<std::uint32_t>(std::min<std::uint64_t>(chunk_bytes_, total_bytes_ - offset))};
+}
+
+bool Assembly::HasUnasked() {
+  while (first_missing_ < state_.size() && state_[first_missing_] != State::kMissing) ++first_missing_;
+  return first_missing_ < state_.size();
 }
 
 std::optional<std::size_t> Assembly::AskNext() {
-  while (first_missing_ < state_.size() && state_[first_missing_] != State::kMissing) ++first_missing_;
-  if (first_missing_ == state_.size()) return std::nullopt;
+  if (!HasUnasked()) return std::nullopt;
   state_[first_missing_] = State::kAsked;
   return first_missing_;
 }
 
-void Assembly::ForgetAsks() {
-  std::ranges::replace(state_, State::kAsked, State::kMissing);
-  first_missing_ = 0;
+void Assembly::TakeBack(std::size_t index) {
+  if (state_[index] != State::kAsked) return;
+  state_[index] = State::kMissing;
+  first_missing_ = std::min(first_missing_, index);
 }
 
 void Assembly::Fill(std::size_t index, std::string_view data) {
-  std::ranges::copy(data, bytes_.begin() + static_cast<std::ptrdiff_t>(PieceAt(index).offset));
-  filled_ += state_[index] != State::kFilled;
+  if (state_[index] == State::kFilled) return;
+  const auto offset = static_cast<std::size_t>(PieceAt(index).offset);
+  if (bytes_.size() < offset) bytes_.resize(offset);
+  if (bytes_.size() == offset) {
+    bytes_.append(data);
+  } else {
+    std::ranges::copy(data, bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
+  }
   state_[index] = State::kFilled;
+  ++filled_;
 }
 
 void Assembly::Reset() {
   std::ranges::fill(state_, State::kMissing);
   first_missing_ = 0;
   filled_ = 0;
+  hasher_ = Sha256Hasher();
+  hashed_ = 0;
+}
+
+bool Assembly::HashNext() {
+  if (hashed_ == state_.size() || state_[hashed_] != State::kFilled) return false;
+  const Piece piece = PieceAt(hashed_++);
+  hasher_.Update(std::string_view(bytes_).substr(static_cast<std::size_t>(piece.offset), piece.bytes));
+  return true;
+}
+
+Sha256Digest Assembly::Digest() {
+  while (HashNext()) continue;
+  return hasher_.Finish();
 }
 
 }  // namespace depthfarm

@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "common/base/status.h"
+#include "common/digest/sha256.h"
 
 namespace depthfarm {
 
-// An artifact of known size that arrives in chunks, in any order and from any location.
+// An artifact of known size that arrives in chunks, in any order and from any location. Its digest is computed beside
+// the arrival, in steps of a chunk.
 class Assembly {
  public:
   struct Piece {
@@ -26,26 +28,34 @@ class Assembly {
   [[nodiscard]] Piece PieceAt(std::size_t index) const;
   // The first piece that is neither here nor asked for; marks it as asked for.
   [[nodiscard]] std::optional<std::size_t> AskNext();
-  // Pieces asked for and not here will be asked for again.
-  void ForgetAsks();
-  // Requires the piece's exact size.
+  // Whether AskNext has one.
+  [[nodiscard]] bool HasUnasked();
+  // A piece that was asked for in vain will be asked for again.
+  void TakeBack(std::size_t index);
+  // Requires the piece's exact size. A piece that is here stays as it is.
   void Fill(std::size_t index, std::string_view data);
   [[nodiscard]] bool complete() const { return filled_ == state_.size(); }
-  [[nodiscard]] bool empty() const { return filled_ == 0; }
   // Nothing is here any more.
   void Reset();
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+  // One step of the digest; false when there is nothing to be done for it now.
+  bool HashNext();
+  // Requires a complete assembly; once.
+  [[nodiscard]] Sha256Digest Digest();
   [[nodiscard]] std::string Take() && { return std::move(bytes_); }
 
  private:
   enum class State : std::uint8_t { kMissing, kAsked, kFilled };
   Assembly() = default;
 
-  std::string bytes_;
+  std::string bytes_;  // up to the end of the last piece that is here: memory is touched when it is filled
+  std::uint64_t total_bytes_ = 0;
   std::uint32_t chunk_bytes_ = 1;
   std::vector<State> state_;
   std::size_t first_missing_ = 0;  // no piece before it is kMissing
   std::size_t filled_ = 0;
+  Sha256Hasher hasher_;
+  std::size_t hashed_ = 0;  // pieces, from the first on
 };
 
 }  // namespace depthfarm

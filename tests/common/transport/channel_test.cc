@@ -63,6 +63,41 @@ TEST(Channel, RequestsAndAnswersCrossTcpAndIpc) {
   }
 }
 
+TEST(Channel, ASecondFrameComesWithTheFirstOrIsSkipped) {
+  TransportContext context;
+  const auto server = Bound(context, "tcp://127.0.0.1:*");
+  const auto client = Connected(context, server->endpoint());
+  ASSERT_TRUE(client->Send("ask").ok());
+  const std::string peer = Next(*server)->peer;
+  const std::string attachment(3 << 20, 'a');
+  ASSERT_TRUE(server->Send(peer, "first", attachment).ok());
+  ASSERT_TRUE(server->Send(peer, "second").ok());
+  ASSERT_TRUE(server->Send(peer, "third", attachment).ok());
+  ASSERT_TRUE(server->Send(peer, "fourth").ok());
+
+  const std::optional<ReceivedMessage> both = client->ReceiveAttached(kPatience).value();
+  ASSERT_TRUE(both.has_value());
+  EXPECT_EQ(both->payload(), "first");
+  EXPECT_EQ(both->attachment(), attachment);
+  const std::optional<ReceivedMessage> one = client->ReceiveAttached(kPatience).value();
+  ASSERT_TRUE(one.has_value());
+  EXPECT_EQ(one->payload(), "second");
+  EXPECT_EQ(one->attachment(), "");
+  EXPECT_EQ(client->Receive(kPatience).value(), "fourth");
+}
+
+TEST(Channel, DropsWhatAPeerDoesNotRead) {
+  TransportContext context;
+  const auto server = Bound(context, "tcp://127.0.0.1:*", {.max_queued_messages = 4});
+  const auto client = Connected(context, server->endpoint(), {.linger = milliseconds(0)});
+  ASSERT_TRUE(client->Send("ask").ok());
+  const std::string peer = Next(*server)->peer;
+  // The client's own queue takes 10,000 messages, the network's a few; far more than these never wait at the server.
+  Status sent;
+  for (int i = 0; i < 30'000 && sent.ok(); ++i) sent = server->Send(peer, "x", std::string(1000, 'x'));
+  EXPECT_EQ(sent.code(), ErrorCode::kUnavailable);
+}
+
 TEST(Channel, PeersAreKeptApart) {
   TransportContext context;
   const auto server = Bound(context, "tcp://127.0.0.1:*");

@@ -46,7 +46,7 @@ struct Holder {
 // A peer that answers as it likes; an answer without body is not sent.
 class OddPeer {
  public:
-  using Answer = std::function<v1::Envelope(const v1::Envelope&)>;
+  using Answer = std::function<PeerAnswer(const v1::Envelope&)>;
   OddPeer(TransportContext& context, Answer answer)
       : channel_(ServerChannel::Bind(context, "ipc://*", {}).value()),
         endpoint_(channel_->endpoint()),
@@ -70,10 +70,15 @@ class OddPeer {
         if (!message.ok() || !message->has_value()) break;
         ++asked_;
         const v1::Envelope request = ParseEnvelope((*message)->payload).value();
-        v1::Envelope answer = answer_(request);
-        answer.set_request_id(request.request_id());
-        if (answer.body_case() == v1::Envelope::BODY_NOT_SET) continue;
-        EXPECT_TRUE(channel_->Send((*message)->peer, SerializeEnvelope(answer)).ok());
+        PeerAnswer answer = answer_(request);
+        answer.envelope.set_request_id(request.request_id());
+        if (answer.envelope.body_case() == v1::Envelope::BODY_NOT_SET) continue;
+        const std::string envelope = SerializeEnvelope(answer.envelope);
+        const Status sent = answer.attachment.empty()
+                                ? channel_->Send((*message)->peer, envelope)
+                                : channel_->Send((*message)->peer, envelope, std::move(answer.attachment));
+        // A client that gave up may be gone.
+        EXPECT_TRUE(sent.ok() || sent.code() == ErrorCode::kUnavailable) << sent.message();
       }
     }
   }
@@ -93,6 +98,7 @@ class TransferTest : public testing::Test {
   static FetchOptions SmallChunks(std::chrono::milliseconds silence = std::chrono::milliseconds(1500)) {
     FetchOptions options;
     options.chunk_bytes = 1000;
+    options.patience = silence / 3;
     options.silence = silence;
     return options;
   }
@@ -173,7 +179,7 @@ TEST_F(TransferTest, KeepsWhatAFailedLocationHasSent) {
   const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
   int answered = 0;
   OddPeer dying(context_, [&](const v1::Envelope& request) {
-    return ++answered > 6 ? v1::Envelope() : AnswerPeer(*holder_.store, request);
+    return ++answered > 6 ? PeerAnswer() : AnswerPeer(*holder_.store, request);
   });
   std::atomic<int> resumed = 0;
   OddPeer second(context_, [&](const v1::Envelope& request) {
@@ -184,22 +190,111 @@ TEST_F(TransferTest, KeepsWhatAFailedLocationHasSent) {
   EXPECT_EQ(resumed, 4);
 }
 
+TEST_F(TransferTest, AsksSeveralLocationsForALargeArtifactAndOneForASmall) {
+  const std::string bytes = RandomBytes(100'000);
+  const ArtifactInfo large = holder_.store->Put(Key(1), bytes).value();
+  const ArtifactInfo small = holder_.store->Put(Key(2), RandomBytes(8000)).value();
+  const auto answer = [&](const v1::Envelope& request) { return AnswerPeer(*holder_.store, request); };
+  OddPeer first(context_, answer);
+  OddPeer second(context_, answer);
+  OddPeer third(context_, answer);
+  const std::vector<ArtifactLocation> locations{first.location(), second.location(), third.location()};
+  EXPECT_TRUE(Fetch(small, locations).ok());
+  EXPECT_EQ(first.asked(), 8);
+  EXPECT_EQ(second.asked() + third.asked(), 0);
+  EXPECT_EQ(Fetch(large, locations).value(), bytes);
+  EXPECT_GT(second.asked(), 0);
+  EXPECT_GT(third.asked(), 0);
+  EXPECT_EQ(first.asked() + second.asked() + third.asked(), 108);
+}
+
+TEST_F(TransferTest, GoesOnWithTheOthersWhenOneOfSeveralDies) {
+  const std::string bytes = RandomBytes(200'000);
+  const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
+  auto dying = std::make_unique<Holder>(context_, "ipc://*");
+  ASSERT_TRUE(dying->store->Put(Key(1), bytes).ok());
+  const ArtifactLocation dying_location = dying->location();
+  std::atomic<int> answered = 0;
+  OddPeer living(context_, [&](const v1::Envelope& request) {
+    if (++answered == 20) dying.reset();
+    return AnswerPeer(*holder_.store, request);
+  });
+  EXPECT_EQ(Fetch(info, {dying_location, living.location()}).value(), bytes);
+}
+
+TEST_F(TransferTest, DoesNotWaitForALateLocationAsLongAsThereAreOthers) {
+  FetchOptions options = SmallChunks(std::chrono::hours(1));
+  options.patience = std::chrono::milliseconds(50);
+  ArtifactClient impatient(context_, {}, options);
+  const std::string bytes = RandomBytes(100'000);
+  const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
+  int answered = 0;
+  OddPeer stuck(context_, [&](const v1::Envelope& request) {
+    return ++answered > 3 ? PeerAnswer() : AnswerPeer(*holder_.store, request);
+  });
+  const std::vector<ArtifactLocation> locations{stuck.location(), holder_.location()};
+  EXPECT_EQ(impatient.Fetch(info, locations, {}).value(), bytes);
+  // And comes to it last from then on.
+  const int asked = stuck.asked();
+  const ArtifactInfo small = holder_.store->Put(Key(2), "small").value();
+  EXPECT_EQ(impatient.Fetch(small, locations, {}).value(), "small");
+  EXPECT_EQ(stuck.asked(), asked);
+}
+
 TEST_F(TransferTest, NeverHasMoreRequestsUnderWayThanItsCredit) {
-  OddPeer silent(context_, [](const v1::Envelope&) { return v1::Envelope(); });
-  EXPECT_FALSE(Fetch({Key(1), 10000, {}}, {silent.location()}).ok());
-  EXPECT_EQ(silent.asked(), SmallChunks().chunks_in_flight);
+  OddPeer silent(context_, [](const v1::Envelope&) { return PeerAnswer(); });
+  EXPECT_FALSE(Fetch({Key(1), 100'000, {}}, {silent.location()}).ok());
+  EXPECT_EQ(silent.asked(), SmallChunks().chunks_of_location);
+
+  std::vector<std::unique_ptr<OddPeer>> peers;
+  std::vector<ArtifactLocation> locations;
+  for (int i = 0; i < SmallChunks().max_locations; ++i) {
+    peers.push_back(std::make_unique<OddPeer>(context_, [](const v1::Envelope&) { return PeerAnswer(); }));
+    locations.push_back(peers.back()->location());
+  }
+  FetchOptions options = SmallChunks();
+  options.patience = std::chrono::hours(1);
+  ArtifactClient client(context_, {}, options);
+  EXPECT_FALSE(client.Fetch({Key(1), 100'000, {}}, locations, {}).ok());
+  int asked = 0;
+  for (const auto& peer : peers) asked += peer->asked();
+  EXPECT_EQ(asked, SmallChunks().chunks_in_flight);
+}
+
+// Answers from a store, with a wrong byte in each piece.
+PeerAnswer WrongBytes(ArtifactStore& store, const v1::Envelope& request) {
+  PeerAnswer answer = AnswerPeer(store, request);
+  answer.attachment.front() ^= 1;
+  return answer;
 }
 
 TEST_F(TransferTest, RefusesOtherBytesAndTakesTheRightOnesElsewhere) {
   const std::string bytes = RandomBytes(2500);
   const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
-  OddPeer liar(context_, [&](const v1::Envelope& request) {
-    v1::Envelope answer = AnswerPeer(*holder_.store, request);
-    answer.mutable_chunk()->mutable_data()->front() ^= 1;
-    return answer;
-  });
-  EXPECT_EQ(Fetch(info, {liar.location()}).status().code(), ErrorCode::kCorrupt);
+  OddPeer liar(context_, [&](const v1::Envelope& request) { return WrongBytes(*holder_.store, request); });
+  const Result<std::string> wrong = Fetch(info, {liar.location()});
+  EXPECT_EQ(wrong.status().code(), ErrorCode::kCorrupt);
+  EXPECT_THAT(wrong.status().message(), HasSubstr(liar.location().endpoint + ": not the artifact of that digest"));
   EXPECT_EQ(Fetch(info, {liar.location(), holder_.location()}).value(), bytes);
+}
+
+TEST_F(TransferTest, FindsTheHonestOneAmongSeveralAtOnce) {
+  const std::string bytes = RandomBytes(100'000);
+  const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
+  OddPeer liar(context_, [&](const v1::Envelope& request) { return WrongBytes(*holder_.store, request); });
+  OddPeer other_liar(context_, [&](const v1::Envelope& request) { return WrongBytes(*holder_.store, request); });
+  EXPECT_EQ(Fetch(info, {liar.location(), holder_.location(), other_liar.location()}).value(), bytes);
+}
+
+TEST_F(TransferTest, NamesAllThatSentWrongBytes) {
+  const ArtifactInfo info = holder_.store->Put(Key(1), RandomBytes(100'000)).value();
+  OddPeer liar(context_, [&](const v1::Envelope& request) { return WrongBytes(*holder_.store, request); });
+  OddPeer other_liar(context_, [&](const v1::Envelope& request) { return WrongBytes(*holder_.store, request); });
+  const Result<std::string> fetched = Fetch(info, {liar.location(), other_liar.location()});
+  EXPECT_EQ(fetched.status().code(), ErrorCode::kCorrupt);
+  const std::string reason = ": not the artifact of that digest";
+  EXPECT_THAT(fetched.status().message(), HasSubstr(liar.location().endpoint + reason));
+  EXPECT_THAT(fetched.status().message(), HasSubstr(other_liar.location().endpoint + reason));
 }
 
 TEST_F(TransferTest, StartsAnewWhenPiecesOfAnEarlierLocationWereWrong) {
@@ -207,31 +302,52 @@ TEST_F(TransferTest, StartsAnewWhenPiecesOfAnEarlierLocationWereWrong) {
   const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
   int answered = 0;
   OddPeer lying_and_dying(context_, [&](const v1::Envelope& request) {
-    if (++answered > 2) return v1::Envelope();
-    v1::Envelope answer = AnswerPeer(*holder_.store, request);
-    answer.mutable_chunk()->mutable_data()->front() ^= 1;
-    return answer;
+    return ++answered > 2 ? PeerAnswer() : WrongBytes(*holder_.store, request);
   });
   EXPECT_EQ(Fetch(info, {lying_and_dying.location(), holder_.location()}).value(), bytes);
 }
 
 TEST_F(TransferTest, RefusesChunksThatDoNotFit) {
   const ArtifactInfo info = holder_.store->Put(Key(1), RandomBytes(5000)).value();
-  const std::vector<std::function<void(v1::Chunk&)>> distortions{
-      [](v1::Chunk& chunk) { chunk.mutable_data()->push_back('x'); },
-      [](v1::Chunk& chunk) { chunk.mutable_data()->pop_back(); },
-      [](v1::Chunk& chunk) { chunk.set_offset(chunk.offset() + 1); },
-      [](v1::Chunk& chunk) { chunk.set_total_bytes(1); },
-      [](v1::Chunk& chunk) { chunk.set_key("key"); },
+  const std::vector<std::function<void(PeerAnswer&)>> distortions{
+      [](PeerAnswer& answer) { answer.attachment.push_back('x'); },
+      [](PeerAnswer& answer) { answer.attachment.pop_back(); },
+      [](PeerAnswer& answer) { answer.attachment.clear(); },
+      [](PeerAnswer& answer) { answer.envelope.mutable_chunk()->set_offset(answer.envelope.chunk().offset() + 1); },
+      [](PeerAnswer& answer) { answer.envelope.mutable_chunk()->set_total_bytes(1); },
+      [](PeerAnswer& answer) { answer.envelope.mutable_chunk()->set_key("key"); },
+      [](PeerAnswer& answer) { answer.envelope.mutable_done(); },
   };
   for (const auto& distort : distortions) {
     OddPeer odd(context_, [&](const v1::Envelope& request) {
-      v1::Envelope answer = AnswerPeer(*holder_.store, request);
-      distort(*answer.mutable_chunk());
+      PeerAnswer answer = AnswerPeer(*holder_.store, request);
+      distort(answer);
       return answer;
     });
     EXPECT_EQ(Fetch(info, {odd.location()}).status().code(), ErrorCode::kCorrupt);
   }
+}
+
+TEST_F(TransferTest, IgnoresAnswersToNoRequest) {
+  const std::string bytes = RandomBytes(5000);
+  const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
+  // Never asked for, without end: silence all the same, and the other location serves.
+  const auto channel = ServerChannel::Bind(context_, "ipc://*", {}).value();
+  std::atomic<bool> stop = false;
+  std::thread flood([&] {
+    std::string peer;
+    while (!stop) {
+      if (const auto message = channel->Receive().value(); message.has_value()) peer = message->peer;
+      v1::Envelope answer;
+      answer.mutable_chunk();
+      if (!peer.empty()) (void)channel->Send(peer, SerializeEnvelope(answer), std::string(1000, 'x')).ok();
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+  });
+  EXPECT_EQ(Fetch(info, {{channel->endpoint(), ""}, holder_.location()}).value(), bytes);
+  EXPECT_THAT(Fetch(info, {{channel->endpoint(), ""}}).status().message(), HasSubstr("silent for"));
+  stop = true;
+  flood.join();
 }
 
 TEST_F(TransferTest, RefusesAnArtifactBeyondItsBoundWithoutAsking) {
@@ -247,10 +363,24 @@ TEST_F(TransferTest, StopsWhenAsked) {
   ArtifactClient client(context_, {}, SmallChunks(std::chrono::hours(10)));
   OddPeer silent(context_, [&](const v1::Envelope&) {
     stop_.request_stop();
-    return v1::Envelope();
+    return PeerAnswer();
   });
   const std::vector<ArtifactLocation> locations{silent.location()};
   EXPECT_EQ(client.Fetch({Key(1), 10, {}}, locations, stop_.get_token()).status().code(), ErrorCode::kCancelled);
+}
+
+TEST_F(TransferTest, StopsAmidATransferAndServesTheNext) {
+  const std::string bytes = RandomBytes(1'000'000);
+  const ArtifactInfo info = holder_.store->Put(Key(1), bytes).value();
+  std::atomic<int> answered = 0;
+  OddPeer peer(context_, [&](const v1::Envelope& request) {
+    if (++answered == 100) stop_.request_stop();
+    return AnswerPeer(*holder_.store, request);
+  });
+  EXPECT_EQ(Fetch(info, {peer.location(), holder_.location()}).status().code(), ErrorCode::kCancelled);
+  EXPECT_LT(peer.asked(), 1000);
+  const std::vector<ArtifactLocation> locations{peer.location(), holder_.location()};
+  EXPECT_EQ(client_.Fetch(info, locations, {}).value(), bytes);
 }
 
 TEST(AnswerPeer, RefusesWhatIsNoRequestForAChunk) {
@@ -263,7 +393,7 @@ TEST(AnswerPeer, RefusesWhatIsNoRequestForAChunk) {
     request.mutable_get_chunk()->set_key(key);
     request.mutable_get_chunk()->set_offset(offset);
     request.mutable_get_chunk()->set_max_bytes(max_bytes);
-    const v1::Envelope answer = AnswerPeer(*store, request);
+    const v1::Envelope answer = AnswerPeer(*store, request).envelope;
     EXPECT_EQ(answer.request_id(), 9);
     return answer.chunk().error().code();
   };
@@ -277,7 +407,7 @@ TEST(AnswerPeer, RefusesWhatIsNoRequestForAChunk) {
 
   v1::Envelope stop;
   stop.mutable_stop_worker();
-  EXPECT_EQ(AnswerPeer(*store, stop).error().code(), v1::CODE_INVALID_ARGUMENT);
+  EXPECT_EQ(AnswerPeer(*store, stop).envelope.error().code(), v1::CODE_INVALID_ARGUMENT);
 }
 
 }  // namespace
