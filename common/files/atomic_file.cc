@@ -16,15 +16,20 @@ namespace {
 
 constexpr int kNewFileMode = 0666;  // reduced by the umask of the process
 
-Status WriteAll(const std::string& path, std::string_view bytes, Durability durability) {
-  OpenFile file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode));
-  if (!file.ok()) return FileFailure(path, "create the file");
+Status WritePiece(const std::string& path, const OpenFile& file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(file.descriptor(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return FileFailure(path, "write " + std::to_string(bytes.size()) + " bytes");
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+  return {};
+}
+
+Status WriteAll(const std::string& path, std::span<const std::string_view> pieces, Durability durability) {
+  OpenFile file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewFileMode));
+  if (!file.ok()) return FileFailure(path, "create the file");
+  for (const std::string_view piece : pieces) DEPTHFARM_RETURN_IF_ERROR(WritePiece(path, file, piece));
   if (durability == Durability::kSynced && fsync(file.descriptor()) != 0) return FileFailure(path, "sync the file");
   if (!file.Close()) return FileFailure(path, "close the file");
   return {};
@@ -70,8 +75,12 @@ Result<std::string> ReadFileBytes(const std::string& path, std::uint64_t max_byt
 }
 
 Status WriteFileAtomically(const std::string& path, std::string_view bytes, Durability durability) {
+  return WriteFileAtomically(path, std::span(&bytes, 1), durability);
+}
+
+Status WriteFileAtomically(const std::string& path, std::span<const std::string_view> pieces, Durability durability) {
   PendingFile file(path);
-  DEPTHFARM_RETURN_IF_ERROR(WriteAll(file.temporary(), bytes, durability));
+  DEPTHFARM_RETURN_IF_ERROR(WriteAll(file.temporary(), pieces, durability));
   DEPTHFARM_RETURN_IF_ERROR(file.Commit());
   return durability == Durability::kSynced ? SyncFolderOf(path) : Status();
 }

@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_FILES_ATOMIC_FILE_H_
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -23,6 +24,9 @@ enum class Durability {
 // the new one or none, never a part, and two writers of one path leave one of their files whole. The folder must exist.
 // Errors  kUnavailable, naming the path and the system's reason; the temporary file is removed.
 [[nodiscard]] Status WriteFileAtomically(const std::string& path, std::string_view bytes,
+                                         Durability durability = Durability::kCached);
+// The same of several pieces, one after the other.
+[[nodiscard]] Status WriteFileAtomically(const std::string& path, std::span<const std::string_view> pieces,
                                          Durability durability = Durability::kCached);
 
 // Makes `path` and all folders above it; ok when it is there already.

@@ -136,6 +136,12 @@ fs::path ArtifactStore::PathOf(const ArtifactKey& key) const {
 
 Result<ArtifactInfo> ArtifactStore::Put(const ArtifactKey& key, std::string_view artifact) {
   const ArtifactInfo info{key, artifact.size(), Sha256(artifact)};
+  DEPTHFARM_RETURN_IF_ERROR(PutVerified(info, artifact));
+  return info;
+}
+
+Status ArtifactStore::PutVerified(const ArtifactInfo& info, std::string_view artifact) {
+  const ArtifactKey& key = info.key;
   const std::uint64_t needed = FileBytes(info);
   {
     const std::scoped_lock lock(mutex_);
@@ -160,7 +166,7 @@ Result<ArtifactInfo> ArtifactStore::Put(const ArtifactKey& key, std::string_view
     entries_.erase(other);
   }
   Insert(info, true);
-  return info;
+  return {};
 }
 
 Result<std::string> ArtifactStore::Get(const ArtifactKey& key) {

@@ -65,6 +65,8 @@ class ArtifactStore {
   // Stores an artifact, in place of an older one of that key. Errors: kUnavailable when it does not fit (message says
   // which bound) or the disk refuses it.
   [[nodiscard]] Result<ArtifactInfo> Put(const ArtifactKey& key, std::string_view artifact);
+  // The same of one whose size and digest the caller has just seen to be those of `info`.
+  [[nodiscard]] Status PutVerified(const ArtifactInfo& info, std::string_view artifact);
 
   // The whole artifact. Errors: kUnavailable when there is none; kCorrupt when its file fails its digest (then
   // dropped).

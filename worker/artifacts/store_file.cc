@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <new>
 
@@ -41,17 +42,12 @@ Result<std::string> ReadAt(const std::string& path, const OpenFile& file, std::u
 }  // namespace
 
 Status WriteStoreFile(const std::string& path, const Sha256Digest& content_digest, std::string_view artifact) {
-  std::string file;
-  try {
-    file.reserve(kStoreFileHeaderBytes + artifact.size());
-  } catch (const std::bad_alloc&) {
-    return Unavailable(path + ": no memory for its " + std::to_string(artifact.size()) + " bytes");
-  }
-  file.append(kMagic);
-  file.append(reinterpret_cast<const char*>(content_digest.data()), content_digest.size());
-  AppendU64(artifact.size(), file);
-  file.append(artifact);
-  return WriteFileAtomically(path, file);
+  std::string header(kMagic);
+  header.append(reinterpret_cast<const char*>(content_digest.data()), content_digest.size());
+  AppendU64(artifact.size(), header);
+  // Two writes, not a copy of the artifact.
+  const std::array<std::string_view, 2> pieces{header, artifact};
+  return WriteFileAtomically(path, pieces);
 }
 
 Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {

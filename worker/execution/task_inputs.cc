@@ -132,7 +132,7 @@ Result<std::string> TaskInputs::FetchAndStore(const TaskInput& input) {
   if (!bytes.ok()) return bytes;
   fetched_bytes_ += bytes->size();
   // A store too full to keep a copy is no reason to fail: the task has what it needs.
-  (void)store_.Put(input.artifact.key, *bytes).ok();
+  (void)store_.PutVerified(input.artifact, *bytes).ok();
   return bytes;
 }
 

@@ -73,6 +73,17 @@ TEST_F(ArtifactStoreTest, GivesBackWhatWasPut) {
   EXPECT_EQ(store_->Get(Key(2)).status().code(), ErrorCode::kUnavailable);
 }
 
+TEST_F(ArtifactStoreTest, KeepsWhatItsCallerHasVerifiedUnderThatDigest) {
+  Open(kPlenty);
+  const ArtifactInfo info{Key(1), 3, Sha256("one")};
+  ASSERT_TRUE(store_->PutVerified(info, "one").ok());
+  EXPECT_EQ(store_->Find(Key(1)), info);
+  EXPECT_EQ(store_->Get(Key(1)).value(), "one");
+  // A caller that was wrong is found out.
+  ASSERT_TRUE(store_->PutVerified(info, "two").ok());
+  EXPECT_EQ(store_->Get(Key(1)).status().code(), ErrorCode::kCorrupt);
+}
+
 TEST_F(ArtifactStoreTest, KeepsAnEmptyArtifact) {
   Open(kPlenty);
   ASSERT_TRUE(store_->Put(Key(1), "").ok());
