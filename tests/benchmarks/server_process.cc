@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstdlib>
 
 namespace depthfarm::benchmarks {
@@ -51,6 +52,9 @@ ServerProcess::ServerProcess(const std::function<Served()>& serve) {
 }
 
 ServerProcess::~ServerProcess() {
+  // A byte, since children made later hold this end too: closing it alone would tell nobody.
+  const char stop = 0;
+  if (process_ > 0 && ::write(stop_, &stop, 1) != 1) ::kill(process_, SIGKILL);
   ::close(stop_);
   if (process_ > 0) ::waitpid(process_, nullptr, 0);
 }

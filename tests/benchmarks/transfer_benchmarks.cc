@@ -197,7 +197,10 @@ void MeasureTransfer(benchmark::State& state, const TransferCase& measured, std:
 }  // namespace
 
 void RegisterTransferBenchmarks(std::size_t artifact_bytes, int rounds, bool& failed) {
-  const TransferCase cases[] = {{"plain/1_holder", false, 1}, {"curve/1_holder", true, 1}};
+  const TransferCase cases[] = {{"plain/1_holder", false, 1},
+                                {"curve/1_holder", true, 1},
+                                {"plain/2_holders", false, 2},
+                                {"curve/2_holders", true, 2}};
   for (const TransferCase& measured : cases) {
     const std::string name = "Transfer/" + measured.name + "/" + std::to_string(artifact_bytes >> 20) + "MiB";
     benchmark::RegisterBenchmark(name.c_str(),
