@@ -80,8 +80,8 @@ void MeasureSearch(benchmark::State& state, const MeasuredFrame& frame, const Me
     std::vector<Level> labels = block.start;
     state.ResumeTiming();
     if (sweeps == kSparse) {
-      BeliefStart(block.problem, grids, kBeliefPasses, labels, {});
-      summary = SearchSparsely(block.problem, labels, {});
+      LevelBeliefs beliefs = BeliefStart(block.problem, grids, kBeliefPasses, labels, {});
+      summary = SearchSparsely(block.problem, std::move(beliefs), labels, {});
     } else {
       summary = SearchFully(block.problem, labels, sweeps, {});
     }

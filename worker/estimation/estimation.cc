@@ -49,8 +49,8 @@ SearchSummary SearchLevels(const EstimationParams& params, const FrameProblem& f
     WinnerTakesAll(problem, labels);
     return SearchFully(problem, labels, params.max_sweeps, stop);
   }
-  BeliefStart(problem, frame.Grids(), kBeliefPasses, labels, stop);
-  return SearchSparsely(problem, labels, stop);
+  LevelBeliefs beliefs = BeliefStart(problem, frame.Grids(), kBeliefPasses, labels, stop);
+  return SearchSparsely(problem, std::move(beliefs), labels, stop);
 }
 
 }  // namespace

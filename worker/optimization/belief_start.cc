@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 
 namespace depthfarm {
 namespace {
@@ -51,6 +52,8 @@ class Beliefs {
     const Cost* belief = &paths_[row_[node] * levels_];
     return problem_.levels[static_cast<std::size_t>(std::min_element(belief, belief + levels_) - belief)];
   }
+
+  [[nodiscard]] LevelBeliefs Take() && { return {std::move(row_), std::move(paths_), levels_, shift_}; }
 
  private:
   [[nodiscard]] bool IsFree(NodeIndex node) const { return problem_.fixed[node] == 0; }
@@ -160,8 +163,8 @@ class Beliefs {
   const LabellingProblem& problem_;
   const std::vector<Level>& labels_;
   std::size_t levels_;
-  std::vector<std::size_t> row_;  // of free nodes: their place among them
-  std::size_t num_free_ = 0;
+  std::vector<std::uint32_t> row_;  // of free nodes: their place among them
+  std::uint32_t num_free_ = 0;
   int shift_ = 0;            // match steps to costs
   std::vector<Cost> own_;    // [free node][level]
   std::vector<Cost> paths_;  // [free node][level]: in a pass sums of paths, then beliefs
@@ -172,16 +175,17 @@ class Beliefs {
 
 }  // namespace
 
-void BeliefStart(const LabellingProblem& problem, const std::vector<SegmentGrid>& grids, int iterations,
-                 std::vector<Level>& labels, const std::stop_token& stop) {
+LevelBeliefs BeliefStart(const LabellingProblem& problem, const std::vector<SegmentGrid>& grids, int iterations,
+                         std::vector<Level>& labels, const std::stop_token& stop) {
   Beliefs beliefs(problem, labels);
   for (int pass = 0; pass < iterations; ++pass) {
-    if (stop.stop_requested()) return;
+    if (stop.stop_requested()) return {};
     beliefs.Pass(grids, pass == 0);
   }
   for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
     if (problem.fixed[node] == 0) labels[node] = beliefs.Best(node);
   }
+  return std::move(beliefs).Take();
 }
 
 }  // namespace depthfarm

@@ -1,8 +1,11 @@
 #ifndef DEPTHFARM_WORKER_OPTIMIZATION_BELIEF_START_H_
 #define DEPTHFARM_WORKER_OPTIMIZATION_BELIEF_START_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "worker/optimization/labelling_problem.h"
@@ -19,6 +22,30 @@ struct SegmentGrid {
   std::vector<std::int32_t> beta_down;   // per node, to the next in its column; of the last row not used
 };
 
+// By how much each free node believes each level to be worse than its best.
+class LevelBeliefs {
+ public:
+  // Nothing is believed.
+  LevelBeliefs() = default;
+  // row: per node, its place among the free ones; costs: [free node][level], in match steps / 2^shift.
+  LevelBeliefs(std::vector<std::uint32_t> row, std::vector<std::int16_t> costs, std::size_t levels, int shift)
+      : row_(std::move(row)), costs_(std::move(costs)), levels_(levels), shift_(shift) {}
+
+  [[nodiscard]] bool empty() const { return costs_.empty(); }
+  // Of a free node, per level of the problem.
+  [[nodiscard]] std::span<const std::int16_t> Of(NodeIndex node) const {
+    return {costs_.data() + row_[node] * levels_, levels_};
+  }
+  // What is compared with them.
+  [[nodiscard]] std::int32_t Scaled(std::int32_t match_steps) const { return match_steps >> shift_; }
+
+ private:
+  std::vector<std::uint32_t> row_;
+  std::vector<std::int16_t> costs_;
+  std::size_t levels_ = 0;
+  int shift_ = 0;
+};
+
 inline constexpr int kBeliefPasses = 2;  // of the default; a third gains nothing
 
 // A start much nearer to the optimum of E than each node's best reward, at the price of a few moves: belief
@@ -30,9 +57,10 @@ inline constexpr int kBeliefPasses = 2;  // of the default; a third gains nothin
 //
 // Costs are 16-bit integers, so the result is the same everywhere; a cost along a path never exceeds kMostPathCost of
 // them, and rewards larger than fit are scaled down. Passes read the pass before: the order of views does not matter.
-// Work: free nodes x levels x passes. Returns early, with labels as they were, when cancelled.
-void BeliefStart(const LabellingProblem& problem, const std::vector<SegmentGrid>& grids, int iterations,
-                 std::vector<Level>& labels, const std::stop_token& stop);
+// Work: free nodes x levels x passes. Returns what is believed in the end. Returns early, with nothing and labels as
+// they were, when cancelled.
+LevelBeliefs BeliefStart(const LabellingProblem& problem, const std::vector<SegmentGrid>& grids, int iterations,
+                         std::vector<Level>& labels, const std::stop_token& stop);
 
 }  // namespace depthfarm
 

@@ -107,7 +107,7 @@ void Expansion::Delist(Place place) {
   (prior != kNoPlace ? next_holder_[prior] : first_holder_[held_[place].target]) = next;
 }
 
-void Expansion::BeginGraph(const std::vector<NodeIndex>& nodes, const Move& move) {
+void Expansion::BeginGraph(std::span<const NodeIndex> nodes, const Move& move) {
   movers_.clear();
   for (const NodeIndex node : nodes) {
     if (problem_.fixed[node] != 0 || labels_[node] == move.alpha) continue;
@@ -228,6 +228,7 @@ void Expansion::GatherNear(const Move& move, std::size_t band) {
     for (std::uint32_t link = link_begin_[node]; link < link_begin_[node + 1]; ++link) Gather(links_[link].other);
     for (const MatchTable::Match& match : problem_.matches.At(node, move.level)) Gather(match.target);
   }
+  std::sort(near_.begin(), near_.end());  // neighbours in the graph lie near each other in memory; no cut depends on it
 }
 
 std::int64_t Expansion::ExpandNear(std::size_t level, std::size_t band) {
@@ -235,7 +236,18 @@ std::int64_t Expansion::ExpandNear(std::size_t level, std::size_t band) {
   if (!indexed_) IndexHolders();
   ++time_;
   GatherNear(move, band);
-  BeginGraph(near_, move);
+  return MoveSome(near_, move);
+}
+
+std::int64_t Expansion::ExpandAmong(std::size_t level, std::span<const NodeIndex> nodes) {
+  const Move move{level, problem_.levels[level]};
+  if (!indexed_) IndexHolders();
+  ++time_;
+  return MoveSome(nodes, move);
+}
+
+std::int64_t Expansion::MoveSome(std::span<const NodeIndex> nodes, const Move& move) {
+  BeginGraph(nodes, move);
   for (const NodeIndex node : movers_) {
     AddSmoothness(node, move);
     AddMatches(node, move);

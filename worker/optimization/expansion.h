@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "worker/optimization/labelling_problem.h"
@@ -34,6 +35,9 @@ class Expansion {
   // One move to problem.levels[level]; every free node that does not hold it moves. Returns the change of energy, <= 0;
   // labels change only if it is < 0.
   std::int64_t Expand(std::size_t level);
+
+  // The same of those of `nodes` that are free; each is there at most once. Work: of these nodes alone.
+  std::int64_t ExpandAmong(std::size_t level, std::span<const NodeIndex> nodes);
 
   // The same of the free nodes that hold a level at most `band` (in indices of the problem's levels) from it, and those
   // they are linked to: adjacent ones, and their matches on the level. Work: of these nodes alone.
@@ -70,7 +74,9 @@ class Expansion {
     near_.push_back(node);
   }
   // Makes movers of nodes that are free and do not hold alpha.
-  void BeginGraph(const std::vector<NodeIndex>& nodes, const Move& move);
+  void BeginGraph(std::span<const NodeIndex> nodes, const Move& move);
+  // A move of these nodes, in the index of holders.
+  std::int64_t MoveSome(std::span<const NodeIndex> nodes, const Move& move);
   void AddSmoothness(NodeIndex node, const Move& move);
   void AddMatches(NodeIndex node, const Move& move);
   // A constant node's reward depends only on its target: gained if that takes alpha, or lost if it leaves.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 
 #include "worker/optimization/expansion.h"
 
@@ -35,29 +36,77 @@ SearchSummary SearchFully(const LabellingProblem& problem, std::vector<Level>& l
   return summary;
 }
 
-SearchSummary SearchSparsely(const LabellingProblem& problem, std::vector<Level>& labels, const std::stop_token& stop) {
-  constexpr std::size_t kFewLevels = 32;  // as cheap as it gets, and each far from the next
-  constexpr std::size_t kFullLevels = 16;
-  constexpr std::size_t kMostStride = 4;
-  constexpr std::size_t kBand = 3;
-  Expansion expansion(problem, labels);
-  SearchSummary summary;
-  const auto count = [&](std::int64_t delta) { summary.moves += delta < 0 ? 1 : 0; };
-  const std::size_t num_levels = problem.levels.size();
-  const std::size_t stride =
-      num_levels <= kFewLevels ? 1 : std::clamp<std::size_t>(num_levels / kFullLevels, 1, kMostStride);
-  for (std::size_t level = stride / 2; level < num_levels && !stop.stop_requested(); level += stride) {
-    count(expansion.Expand(level));
-  }
+namespace {
+
+void MoveNear(Expansion& expansion, std::size_t num_levels, std::size_t band, const std::stop_token& stop,
+              SearchSummary& summary) {
   for (std::size_t step = 0; step < num_levels && !stop.stop_requested(); ++step) {
-    count(expansion.ExpandNear(num_levels - 1 - step, kBand));
+    summary.moves += expansion.ExpandNear(num_levels - 1 - step, band) < 0 ? 1 : 0;
   }
   for (std::size_t level = 0; level < num_levels && !stop.stop_requested(); ++level) {
-    count(expansion.ExpandNear(level, 0));
+    summary.moves += expansion.ExpandNear(level, 0) < 0 ? 1 : 0;
   }
+}
+
+void Conclude(const Expansion& expansion, const std::stop_token& stop, SearchSummary& summary) {
   summary.sweeps = 1;
   summary.energy = expansion.energy();
   summary.cancelled = stop.stop_requested();
+}
+
+// For each k-th level, from k / 2 on, the free nodes that believe it plausible or one of the k around it.
+std::vector<std::vector<NodeIndex>> WhoBelieves(const LabellingProblem& problem, const LevelBeliefs& beliefs,
+                                                std::size_t stride) {
+  const std::size_t num_levels = problem.levels.size();
+  const std::int32_t most = beliefs.Scaled(kPlausible);
+  std::vector<std::vector<NodeIndex>> believers((num_levels + stride - 1 - stride / 2) / stride);
+  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
+    if (problem.fixed[node] != 0) continue;
+    const std::span<const std::int16_t> costs = beliefs.Of(node);
+    for (std::size_t i = 0; i < believers.size(); ++i) {
+      const auto around = costs.subspan(i * stride, std::min(stride, num_levels - i * stride));
+      if (*std::min_element(around.begin(), around.end()) <= most) believers[i].push_back(node);
+    }
+  }
+  return believers;
+}
+
+}  // namespace
+
+SearchSummary SearchSparsely(const LabellingProblem& problem, LevelBeliefs beliefs, std::vector<Level>& labels,
+                             const std::stop_token& stop) {
+  constexpr std::size_t kFewLevels = 32;  // as cheap as it gets, and each far from the next
+  constexpr std::size_t kFullLevels = 16;
+  constexpr std::size_t kMostStride = 4;
+  constexpr std::size_t kFullMoves = 4;  // each such of those levels is for everybody: beliefs may be wrong
+  constexpr std::size_t kBand = 3;
+  const std::size_t num_levels = problem.levels.size();
+  const std::size_t stride =
+      num_levels <= kFewLevels ? 1 : std::clamp<std::size_t>(num_levels / kFullLevels, 1, kMostStride);
+  std::vector<std::vector<NodeIndex>> believers;
+  const bool all = beliefs.empty() || num_levels <= kFewLevels;
+  if (!all) believers = WhoBelieves(problem, beliefs, stride);
+  beliefs = {};  // their memory is as much as all matches take
+  Expansion expansion(problem, labels);
+  SearchSummary summary;
+  for (std::size_t i = 0; stride / 2 + i * stride < num_levels && !stop.stop_requested(); ++i) {
+    const std::size_t level = stride / 2 + i * stride;
+    summary.moves += (all || i % kFullMoves == kFullMoves / 2 ? expansion.Expand(level)
+                                                              : expansion.ExpandAmong(level, believers[i])) < 0
+                         ? 1
+                         : 0;
+  }
+  MoveNear(expansion, num_levels, kBand, stop, summary);
+  Conclude(expansion, stop, summary);
+  return summary;
+}
+
+SearchSummary SearchNear(const LabellingProblem& problem, std::size_t band, std::vector<Level>& labels,
+                         const std::stop_token& stop) {
+  Expansion expansion(problem, labels);
+  SearchSummary summary;
+  MoveNear(expansion, problem.levels.size(), band, stop, summary);
+  Conclude(expansion, stop, summary);
   return summary;
 }
 

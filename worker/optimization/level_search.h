@@ -1,10 +1,12 @@
 #ifndef DEPTHFARM_WORKER_OPTIMIZATION_LEVEL_SEARCH_H_
 #define DEPTHFARM_WORKER_OPTIMIZATION_LEVEL_SEARCH_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <stop_token>
 #include <vector>
 
+#include "worker/optimization/belief_start.h"
 #include "worker/optimization/labelling_problem.h"
 
 namespace depthfarm {
@@ -23,12 +25,22 @@ struct SearchSummary {
 [[nodiscard]] SearchSummary SearchFully(const LabellingProblem& problem, std::vector<Level>& labels, int max_sweeps,
                                         const std::stop_token& stop);
 
-// A fraction of the work, from a good start (worker/optimization/belief_start.h): every free node may move to each k-th
-// level (k = 4; of 33 to 63 levels 2 or 3, of at most 32 levels 1); then, downwards, to levels at most three from its own
-// or a linked node's; then, upwards, to a linked node's. Each move is exact on the nodes that it moves, so the energy
-// never rises.
-[[nodiscard]] SearchSummary SearchSparsely(const LabellingProblem& problem, std::vector<Level>& labels,
-                                           const std::stop_token& stop);
+// A free node finds a level plausible that it believes at most so much worse than its best, match steps; the reward of
+// two perfect matches is 540.
+inline constexpr std::int32_t kPlausible = 200;
+
+// A fraction of the work, from a good start (worker/optimization/belief_start.h). First each k-th level (k = 4; of 33
+// to 63 levels 2 or 3, of at most 32 levels 1), upwards. In each fourth of these moves, and in all where there are at
+// most 32 levels or nothing is believed, every free node moves; in the others those that believe it plausible, or one
+// of the k levels around it. Then SearchNear, three levels. Each move is exact on the nodes that it moves, so the
+// energy never rises.
+[[nodiscard]] SearchSummary SearchSparsely(const LabellingProblem& problem, LevelBeliefs beliefs,
+                                           std::vector<Level>& labels, const std::stop_token& stop);
+
+// From labels that are nearly right: downwards, every free node may move to levels at most `band` (in indices of the
+// problem's levels) from its own or a linked node's; then, upwards, to a linked node's. The energy never rises.
+[[nodiscard]] SearchSummary SearchNear(const LabellingProblem& problem, std::size_t band, std::vector<Level>& labels,
+                                       const std::stop_token& stop);
 
 }  // namespace depthfarm
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
+#include <span>
 
 #include "tests/support/random_problem.h"
 
@@ -48,6 +49,9 @@ class Plain {
     }
     return best;
   }
+
+  // After Best.
+  [[nodiscard]] const std::vector<long>& Beliefs(NodeIndex node) const { return beliefs_[node]; }
 
  private:
   using Costs = std::vector<long>;
@@ -132,8 +136,14 @@ TEST(BeliefStart, IsThatOfItsDefinition) {
     const std::vector<SegmentGrid> grids = RandomGrids(random, nodes, 2, columns);
     for (const int iterations : {1, 2, 3}) {
       std::vector<Level> labels = p.labels;
-      BeliefStart(p.problem, grids, iterations, labels, {});
-      EXPECT_EQ(labels, Plain(p.problem, grids, p.labels).Best(iterations)) << iterations << " passes";
+      const LevelBeliefs beliefs = BeliefStart(p.problem, grids, iterations, labels, {});
+      Plain plain(p.problem, grids, p.labels);
+      EXPECT_EQ(labels, plain.Best(iterations)) << iterations << " passes";
+      for (NodeIndex node = 0; node < p.problem.num_nodes; ++node) {
+        if (p.problem.fixed[node] != 0) continue;
+        const std::span<const std::int16_t> costs = beliefs.Of(node);
+        EXPECT_EQ(std::vector<long>(costs.begin(), costs.end()), plain.Beliefs(node));
+      }
     }
   }
 }
@@ -187,7 +197,7 @@ TEST(BeliefStart, LeavesLabelsAloneWhenCancelled) {
   std::vector<Level> labels = p.labels;
   std::stop_source stop;
   stop.request_stop();
-  BeliefStart(p.problem, RandomGrids(random, 4, 2, 2), 2, labels, stop.get_token());
+  EXPECT_TRUE(BeliefStart(p.problem, RandomGrids(random, 4, 2, 2), 2, labels, stop.get_token()).empty());
   EXPECT_EQ(labels, p.labels);
 }
 

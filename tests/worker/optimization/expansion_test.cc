@@ -145,6 +145,37 @@ TEST(Expansion, NearMovesAreExactOnTheNodesThatMove) {
   EXPECT_GT(moved, 100);
 }
 
+TEST(Expansion, MovesOfChosenNodesAreExactOnThem) {
+  int moved = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    RandomProblem p =
+        MakeRandomProblem(random, random.Int(3, 30), random.Int(2, 3), random.Int(2, 6), seed % 3 == 0 ? 30 : 0);
+    std::vector<Level> labels = p.labels;
+    Expansion expansion(p.problem, labels);
+    for (std::size_t l = 0; l < p.problem.levels.size(); ++l) {
+      LabellingProblem others_fixed = p.problem;
+      others_fixed.fixed.assign(p.problem.num_nodes, 1);
+      std::vector<NodeIndex> chosen;
+      for (NodeIndex node = 0; node < p.problem.num_nodes; ++node) {
+        if (random.Chance(50)) continue;
+        chosen.push_back(node);  // fixed ones among them
+        others_fixed.fixed[node] = p.problem.fixed[node];
+      }
+      const std::vector<Level> expected = test::ExpandPlainly(others_fixed, labels, p.problem.levels[l]);
+      const std::int64_t before = expansion.energy();
+      const std::int64_t delta = expansion.ExpandAmong(l, chosen);
+      ASSERT_EQ(labels, expected);
+      ASSERT_LE(delta, 0);
+      ASSERT_EQ(expansion.energy(), before + delta);
+      ASSERT_EQ(expansion.energy(), test::EnergyPlainly(p.problem, labels));
+      moved += delta < 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(moved, 100);
+}
+
 TEST(WinnerTakesAll, TakesTheLargestSumAndTheFarthestOfEquals) {
   LabellingProblem problem;
   problem.num_nodes = 2;

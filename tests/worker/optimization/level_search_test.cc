@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "tests/support/cut_oracle.h"
 #include "tests/support/random_problem.h"
 #include "worker/optimization/expansion.h"
@@ -35,6 +38,24 @@ TEST(SearchFully, IsCancelledByItsStopToken) {
   EXPECT_TRUE(SearchFully(p.problem, p.labels, 0, stop.get_token()).cancelled);
 }
 
+// Each free node believes some levels plausible and others not.
+LevelBeliefs RandomBeliefs(Random& random, const LabellingProblem& problem, int shift) {
+  std::vector<std::uint32_t> row;
+  std::uint32_t free = 0;
+  for (const std::uint8_t fixed : problem.fixed) {
+    row.push_back(free);
+    free += fixed == 0 ? 1 : 0;
+  }
+  std::vector<std::int16_t> costs(free * problem.levels.size());
+  for (std::int16_t& cost : costs) cost = static_cast<std::int16_t>(random.Int(0, 4 * kPlausible) >> shift);
+  return {std::move(row), std::move(costs), problem.levels.size(), shift};
+}
+
+void MoveNear(Expansion& expansion, std::size_t levels, std::size_t band, std::int64_t& moves) {
+  for (std::size_t l = levels; l-- > 0;) moves += expansion.ExpandNear(l, band) < 0 ? 1 : 0;
+  for (std::size_t l = 0; l < levels; ++l) moves += expansion.ExpandNear(l, 0) < 0 ? 1 : 0;
+}
+
 // The order that the header states, written out.
 TEST(SearchSparsely, TriesLevelsInItsOrder) {
   struct Stride {
@@ -42,23 +63,45 @@ TEST(SearchSparsely, TriesLevelsInItsOrder) {
     std::size_t stride;
   };
   for (const Stride& expected :
-       {Stride{2, 1}, Stride{32, 1}, Stride{33, 2}, Stride{50, 3}, Stride{64, 4}, Stride{150, 4}}) {
-    SCOPED_TRACE(expected.levels);
-    Random random(static_cast<std::uint64_t>(expected.levels));
-    const RandomProblem p = MakeRandomProblem(random, 40, 3, expected.levels, 10);
-    std::vector<Level> plain = p.labels;
-    Expansion expansion(p.problem, plain);
-    const std::size_t levels = p.problem.levels.size();
-    std::int64_t moves = 0;
-    for (std::size_t l = expected.stride / 2; l < levels; l += expected.stride)
-      moves += expansion.Expand(l) < 0 ? 1 : 0;
-    for (std::size_t l = levels; l-- > 0;) moves += expansion.ExpandNear(l, 3) < 0 ? 1 : 0;
-    for (std::size_t l = 0; l < levels; ++l) moves += expansion.ExpandNear(l, 0) < 0 ? 1 : 0;
-    std::vector<Level> labels = p.labels;
-    const SearchSummary summary = SearchSparsely(p.problem, labels, {});
-    EXPECT_EQ(labels, plain);
-    EXPECT_EQ(summary.moves, moves);
-    EXPECT_GT(moves, 0);
+       {Stride{1, 1}, Stride{2, 1}, Stride{32, 1}, Stride{33, 2}, Stride{50, 3}, Stride{64, 4}, Stride{150, 4}}) {
+    for (const int shift : {-1, 0, 2}) {  // -1: nothing is believed
+      SCOPED_TRACE(expected.levels);
+      Random random(static_cast<std::uint64_t>(expected.levels));
+      const RandomProblem p = MakeRandomProblem(random, 40, 3, expected.levels, 10);
+      LevelBeliefs beliefs;
+      if (shift >= 0) beliefs = RandomBeliefs(random, p.problem, shift);
+      std::vector<Level> plain = p.labels;
+      Expansion expansion(p.problem, plain);
+      const std::size_t levels = p.problem.levels.size();
+      std::int64_t moves = 0;
+      std::size_t movers = 0;
+      std::size_t step = 0;
+      for (std::size_t l = expected.stride / 2; l < levels; l += expected.stride, ++step) {
+        const bool all = beliefs.empty() || expected.levels <= 32 || step % 4 == 2;
+        std::vector<NodeIndex> nodes;
+        for (NodeIndex node = 0; node < p.problem.num_nodes; ++node) {
+          if (p.problem.fixed[node] != 0) continue;
+          bool plausible = all;
+          const std::size_t begin = l - expected.stride / 2;
+          for (std::size_t k = begin; !plausible && k < std::min(begin + expected.stride, levels); ++k) {
+            plausible = beliefs.Of(node)[k] <= (kPlausible >> shift);
+          }
+          if (plausible) nodes.push_back(node);
+        }
+        movers += nodes.size();
+        moves += expansion.ExpandAmong(l, nodes) < 0 ? 1 : 0;
+      }
+      EXPECT_GT(movers, 0U);
+      MoveNear(expansion, levels, 3, moves);
+      std::vector<Level> labels = p.labels;
+      const SearchSummary summary = SearchSparsely(p.problem, beliefs, labels, {});
+      EXPECT_EQ(labels, plain);
+      EXPECT_EQ(summary.moves, moves);
+      EXPECT_GT(moves, expected.levels > 1 ? 0 : -1);
+      std::vector<Level> again = p.labels;
+      (void)SearchSparsely(p.problem, beliefs, again, {});
+      EXPECT_EQ(again, labels);
+    }
   }
 }
 
@@ -67,7 +110,9 @@ TEST(SearchSparsely, NeverRaisesTheEnergyAndTracksIt) {
     Random random(seed);
     RandomProblem p = MakeRandomProblem(random, random.Int(3, 30), 3, random.Int(2, 20), seed % 3 == 0 ? 30 : 0);
     std::vector<Level> labels = p.labels;
-    const SearchSummary summary = SearchSparsely(p.problem, labels, {});
+    LevelBeliefs beliefs;
+    if (seed % 2 == 0) beliefs = RandomBeliefs(random, p.problem, 0);
+    const SearchSummary summary = SearchSparsely(p.problem, beliefs, labels, {});
     EXPECT_EQ(summary.energy, test::EnergyPlainly(p.problem, labels)) << "seed " << seed;
     EXPECT_LE(summary.energy, test::EnergyPlainly(p.problem, p.labels)) << "seed " << seed;
     for (NodeIndex node = 0; node < p.problem.num_nodes; ++node) {
@@ -78,12 +123,30 @@ TEST(SearchSparsely, NeverRaisesTheEnergyAndTracksIt) {
   }
 }
 
+TEST(SearchNear, TriesLevelsInItsOrderAndTracksTheEnergy) {
+  for (const std::size_t band : {std::size_t{0}, std::size_t{1}, std::size_t{2}}) {
+    Random random(band);
+    const RandomProblem p = MakeRandomProblem(random, 40, 3, 20, 10);
+    std::vector<Level> plain = p.labels;
+    Expansion expansion(p.problem, plain);
+    std::int64_t moves = 0;
+    MoveNear(expansion, p.problem.levels.size(), band, moves);
+    std::vector<Level> labels = p.labels;
+    const SearchSummary summary = SearchNear(p.problem, band, labels, {});
+    EXPECT_EQ(labels, plain);
+    EXPECT_EQ(summary.moves, moves);
+    EXPECT_GT(moves, 0);
+    EXPECT_EQ(summary.energy, test::EnergyPlainly(p.problem, labels));
+    EXPECT_LT(summary.energy, test::EnergyPlainly(p.problem, p.labels));
+  }
+}
+
 TEST(SearchSparsely, IsCancelledByItsStopToken) {
   Random random(1);
   RandomProblem p = MakeRandomProblem(random, 10, 2, 4, 0);
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_TRUE(SearchSparsely(p.problem, p.labels, stop.get_token()).cancelled);
+  EXPECT_TRUE(SearchSparsely(p.problem, {}, p.labels, stop.get_token()).cancelled);
 }
 
 }  // namespace
