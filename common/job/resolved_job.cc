@@ -21,7 +21,7 @@ constexpr long long kSmallProblem = 2'000'000;
 constexpr long long kLargeProblem = 20'000'000;
 // The sparse search is cheapest in one part, and is split for its memory alone: 4 bytes of beliefs for each of them,
 // and 8 for each match that has a reward.
-constexpr long long kMostBytesOfPart = 320'000'000;
+constexpr long long kMostBytesOfPart = 350'000'000;
 constexpr long long kMostParts = 4096;
 
 // Of planes that are refined fewer are enough where pictures are large (docs/results.md, Segments of large pictures).
@@ -92,7 +92,9 @@ Status ResolveRange(const Sequence& sequence, const SequenceCamera& reference, E
   return {};
 }
 
-Result<int> AutoLevels(const ResolvedJob& job, const DepthLevels& planes) {
+// How far points travel over the depth range, pixels: between the median view and its nearest neighbour, or half as far
+// as at the widest baseline in use, whichever is more.
+double PixelsOfRange(const ResolvedJob& job, const DepthLevels& planes) {
   std::vector<double> nearest;
   double widest = 0;
   for (const JobView& view : job.views) {
@@ -104,10 +106,17 @@ Result<int> AutoLevels(const ResolvedJob& job, const DepthLevels& planes) {
     }
   }
   std::sort(nearest.begin(), nearest.end());
-  const double median = nearest[nearest.size() / 2];
-  const double pixels = std::max(median, widest / 2);
-  double steps = std::ceil(pixels / kFinalLevelPixels);
-  if (job.params.refine_rounds > 0) steps = std::min(steps, std::max(kFewestSteps, std::ceil(pixels / kLevelPixels)));
+  return std::max(nearest[nearest.size() / 2], widest / 2);
+}
+
+// Steps between levels that refinement needs.
+double StepsToRefine(double pixels) {
+  return std::min(std::ceil(pixels / kFinalLevelPixels), std::max(kFewestSteps, std::ceil(pixels / kLevelPixels)));
+}
+
+int AutoLevels(const ResolvedJob& job, const DepthLevels& planes) {
+  const double pixels = PixelsOfRange(job, planes);
+  const double steps = job.params.refine_rounds > 0 ? StepsToRefine(pixels) : std::ceil(pixels / kFinalLevelPixels);
   return static_cast<int>(std::clamp(steps + 1, 2.0, static_cast<double>(kMaxAutoLevels)));
 }
 
@@ -122,9 +131,10 @@ void ResolveBlocks(ResolvedJob& job) {
     std::size_t matches = 0;
     for (const JobView& view : job.views) matches = std::max(matches, view.neighbours.size());
     const long long of_matches = 8 * static_cast<long long>(matches) / (job.params.uniqueness > 0 ? 4 : 1);
-    const long long parts = (entries * (4 + of_matches) + kMostBytesOfPart - 1) / kMostBytesOfPart;
-    const long long most = std::clamp<long long>(job.params.levels / 8, 1, kMostParts);
-    job.level_blocks_i = static_cast<int>(std::clamp<long long>(parts, 1, most));
+    const auto most = static_cast<int>(std::clamp<long long>(job.params.levels / 8, 1, kMostParts));
+    job.level_blocks_i = 1;
+    const auto bytes = [&](int parts) { return entries * (4 + of_matches) / (1LL * parts * SearchStep(job, parts)); };
+    while (job.level_blocks_i < most && bytes(job.level_blocks_i) > kMostBytesOfPart) ++job.level_blocks_i;
     job.level_blocks_p = (job.level_blocks_i + 1) / 2;
     job.params.level_blocks = job.level_blocks_i;
     return;
@@ -168,6 +178,13 @@ DepthLevels ResolvedJob::Levels() const {
   Result<DepthLevels> levels = DepthLevels::Create(reference, params.z_near, params.z_far, params.levels);
   if (!levels.ok()) std::abort();  // ResolveJob and the wire check the range before anybody can ask
   return std::move(levels).value();
+}
+
+int SearchStep(const ResolvedJob& job, int num_blocks) {
+  if (job.params.search != Search::kSparse || job.params.refine_rounds == 0) return 1;
+  const double needed = std::max(1.0, StepsToRefine(PixelsOfRange(job, job.Levels())));
+  const int step = std::max(1, static_cast<int>((job.params.levels - 1) / needed));
+  return job.params.partition == Partition::kInterleaved ? (step + num_blocks - 1) / num_blocks : step;
 }
 
 ResolvedJob PartsOnly(int num_parts) {
@@ -226,7 +243,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
     }
   }
   if (params.levels == 0) {
-    DEPTHFARM_ASSIGN_OR_RETURN(job.params.levels, AutoLevels(job, planes));
+    job.params.levels = AutoLevels(job, planes);
   }
   if (job.params.level_blocks > job.params.levels) {
     return InvalidArgument("level-blocks is " + std::to_string(job.params.level_blocks) +

@@ -53,6 +53,11 @@ struct ResolvedJob {
   [[nodiscard]] DepthLevels Levels() const;
 };
 
+// The sparse search of a part of `num_blocks` tries each k-th of the part's levels first, then those around what it
+// found: k as large as the levels that refinement needs (ResolveJob) are apart, in levels of the part, rounded down for
+// n = 1, then up; 1 with the full search or without refinement.
+[[nodiscard]] int SearchStep(const ResolvedJob& job, int num_blocks);
+
 // Of a rendering job: `num_parts` frames that need nothing but to be written.
 [[nodiscard]] ResolvedJob PartsOnly(int num_parts);
 
@@ -63,7 +68,7 @@ struct ResolvedJob {
 //              refinement, of views larger than 1024x768 only as the root of the size: 63,850 at 1920x1080;
 //   levels     at most 250, such that one is about a pixel at the median nearest neighbour and at most two at the
 //              widest baseline used; without refinement, or with fewer than 25 levels, down to a quarter of that;
-//   n          as many parts as keep the sparse search's memory near 320 MB each (I frames), and half as many for P
+//   n          as many parts as keep the sparse search's memory near 350 MB each (I frames), and half as many for P
 //              frames; with the full search 1 for small problems, else up to 8 (I frames; side by side) or 2 (P
 //              frames).
 // Errors (kInvalidArgument, naming camera and option): fewer than two views, unknown or picture-less view, a view that

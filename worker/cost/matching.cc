@@ -80,7 +80,8 @@ MatchGeometry::Planes MatchGeometry::PlanesAt(std::span<const double> inverse_de
   return planes;
 }
 
-void MatchGeometry::Targets(PixelPosition center, const Planes& planes, std::span<PixelPosition> targets) const {
+void MatchGeometry::Targets(PixelPosition center, std::span<const double> planes,
+                            std::span<PixelPosition> targets) const {
   const Eigen::Matrix3d& m = neighbour_from_view_.m();
   const Eigen::Vector3d& e = neighbour_from_view_.e();
   EpipolarLine line;

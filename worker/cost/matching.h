@@ -60,7 +60,7 @@ class MatchGeometry {
   [[nodiscard]] Planes PlanesAt(std::span<const double> inverse_depths_in_ref) const;
   // Target or TargetOnPlane on each of many planes (the same pixels, on vectors); kNoTarget for none. targets: as many
   // as planes.
-  void Targets(PixelPosition center, const Planes& planes, std::span<PixelPosition> targets) const;
+  void Targets(PixelPosition center, std::span<const double> planes, std::span<PixelPosition> targets) const;
 
  private:
   [[nodiscard]] std::optional<PixelPosition> TargetAt(PixelPosition center, double inverse_depth) const;

@@ -42,15 +42,51 @@ void AdoptDepth(const ResolvedJob& job, const FrameAnalysis& analysis, const Tem
   }
 }
 
+// The lower of two that are as near. levels: ascending, not empty.
+Level NearestLevel(const std::vector<Level>& levels, Level level) {
+  const auto above = std::lower_bound(levels.begin(), levels.end(), level);
+  if (above == levels.begin()) return *above;
+  if (above == levels.end()) return levels.back();
+  return level - *(above - 1) <= *above - level ? *(above - 1) : *above;
+}
+
 // From nothing to labels, as the job says.
-SearchSummary SearchLevels(const EstimationParams& params, const FrameProblem& frame, const LabellingProblem& problem,
+SearchSummary SearchLevels(const EstimationParams& params, const FrameProblem& frame, LabellingProblem& problem,
                            std::vector<Level>& labels, const std::stop_token& stop) {
+  problem.matches = frame.MatchesOnLevels(problem.levels, problem.fixed, labels, stop);
+  if (stop.stop_requested()) return {.cancelled = true};
   if (params.search == Search::kFull) {
     WinnerTakesAll(problem, labels);
     return SearchFully(problem, labels, params.max_sweeps, stop);
   }
   LevelBeliefs beliefs = BeliefStart(problem, frame.Grids(), kBeliefPasses, labels, stop);
   return SearchSparsely(problem, std::move(beliefs), labels, stop);
+}
+
+// Each step-th of the problem's levels by the sparse search, in which unchanged segments count as on the nearest of
+// these; then those around what is found. Levels less than a pixel apart share most of their matches, and have few
+// that others would not lead to.
+SearchSummary SearchInSteps(const EstimationParams& params, const FrameProblem& frame, LabellingProblem& problem,
+                            std::size_t step, std::vector<Level>& labels, const std::stop_token& stop) {
+  const std::vector<Level> all = std::exchange(problem.levels, {});
+  for (std::size_t level = step / 2; level < all.size(); level += step) problem.levels.push_back(all[level]);
+  const std::vector<Level> given = labels;
+  for (std::size_t node = 0; node < labels.size(); ++node) {
+    labels[node] = problem.fixed[node] != 0 ? NearestLevel(problem.levels, given[node]) : problem.levels.front();
+  }
+  SearchSummary summary = SearchLevels(params, frame, problem, labels, stop);
+  if (summary.cancelled) return summary;
+  for (std::size_t node = 0; node < labels.size(); ++node) {
+    if (problem.fixed[node] != 0) labels[node] = given[node];
+  }
+  problem.levels = all;
+  problem.matches = {};
+  problem.matches = frame.MatchesNear(problem.levels, step + 1, problem.fixed, labels, stop);
+  if (stop.stop_requested()) return {.cancelled = true};
+  const std::int64_t moves = summary.moves;
+  summary = SearchNear(problem, std::max<std::size_t>(1, step - 1), labels, stop);
+  summary.moves += moves;
+  return summary;
 }
 
 }  // namespace
@@ -75,10 +111,10 @@ Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& an
   problem.fixed.assign(frame.num_nodes(), 0);
   std::vector<Level> labels(frame.num_nodes(), problem.levels.front());
   if (references != nullptr) AdoptDepth(job, analysis, *references, frame, labels, problem.fixed);
-  problem.matches = frame.MatchesOnLevels(problem.levels, problem.fixed, labels, stop);
-  if (stop.stop_requested()) return Cancelled();
-
-  const SearchSummary summary = SearchLevels(job.params, frame, problem, labels, stop);
+  const auto step = static_cast<std::size_t>(SearchStep(job, num_blocks));
+  const SearchSummary summary = step > 1 && problem.levels.size() > step
+                                    ? SearchInSteps(job.params, frame, problem, step, labels, stop)
+                                    : SearchLevels(job.params, frame, problem, labels, stop);
   if (summary.cancelled) return Cancelled();
   if (stats != nullptr) {
     stats->sweeps = summary.sweeps;

@@ -138,15 +138,15 @@ class FrameProblem::TableFiller {
     }
   }
 
-  // The nodes [begin, end).
-  [[nodiscard]] MatchTable Fill(NodeIndex begin, NodeIndex end) const {
+  // The nodes [begin, end); of each free one the levels that are at most `reach` from its own.
+  [[nodiscard]] MatchTable Fill(NodeIndex begin, NodeIndex end, std::size_t reach) const {
     MatchTable table;
     Row row(levels_.size(), static_cast<std::size_t>(frame_.matches_per_node_));
     for (NodeIndex node = begin; node < end; ++node) {
       if (fixed_[node] != 0) {
         AddFixed(node, table);
       } else {
-        AddFree(node, row, table);
+        AddFree(node, Around(node, reach), row, table);
       }
       table.EndNode();
     }
@@ -177,24 +177,36 @@ class FrameProblem::TableFiller {
     }
   }
 
-  void AddFree(NodeIndex node, Row& row, MatchTable& table) const {
+  struct Range {  // of levels, by their index
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+  [[nodiscard]] Range Around(NodeIndex node, std::size_t reach) const {
+    if (reach >= levels_.size()) return {0, levels_.size()};
+    const auto found = std::lower_bound(levels_.begin(), levels_.end(), labels_[node]);
+    const auto own = static_cast<std::size_t>(found - levels_.begin());
+    return {own - std::min(own, reach), std::min(own + reach + 1, levels_.size())};
+  }
+
+  void AddFree(NodeIndex node, const Range& range, Row& row, MatchTable& table) const {
     const int view_index = frame_.ViewOf(node);
     const int slots = SlotsOf(view_index);
-    const std::size_t width = levels_.size();
+    const std::size_t width = range.end - range.begin;
     for (int slot = 0; slot < slots; ++slot) {
       const auto s = static_cast<std::size_t>(slot);
       const Matcher matcher = frame_.MatcherOf(view_index, slot, node - frame_.offset(view_index));
       const std::span<PixelPosition> targets(row.targets.data() + s * width, width);
       const std::span<std::uint16_t> rewards(row.rewards.data() + s * width, width);
-      matcher.pair.geometry.Targets(matcher.center, planes_[static_cast<std::size_t>(view_index)][s], targets);
+      const std::span<const double> planes = planes_[static_cast<std::size_t>(view_index)][s];
+      matcher.pair.geometry.Targets(matcher.center, planes.subspan(range.begin, width), targets);
       frame_.RewardsAt(matcher, targets, rewards);
       if (frame_.job_.params.uniqueness == 0 || std::all_of(rewards.begin(), rewards.end(), IsZero)) continue;
       const std::uint16_t floor = frame_.Floor(matcher);
       for (std::uint16_t& reward : rewards) reward = static_cast<std::uint16_t>(reward - std::min(reward, floor));
     }
-    for (std::size_t level = 0; level < width; ++level) {
+    for (std::size_t level = range.begin; level < range.end; ++level) {
       for (int slot = 0; slot < slots; ++slot) {
-        const std::size_t i = static_cast<std::size_t>(slot) * width + level;
+        const std::size_t i = static_cast<std::size_t>(slot) * width + level - range.begin;
         if (row.rewards[i] == 0) continue;
         const Pair& pair = frame_.pairs_[static_cast<std::size_t>(view_index)][static_cast<std::size_t>(slot)];
         table.Add(level, frame_.NodeAt(pair, row.targets[i]), row.rewards[i]);
@@ -217,10 +229,16 @@ MatchTable FrameProblem::MatchesOnLevels(const std::vector<Level>& levels, const
 
 MatchTable FrameProblem::MatchesOnLevels(const std::vector<Level>& levels, const std::vector<std::uint8_t>& fixed,
                                          const std::vector<Level>& labels, const std::stop_token& stop) const {
+  return MatchesNear(levels, levels.size(), fixed, labels, stop);
+}
+
+MatchTable FrameProblem::MatchesNear(const std::vector<Level>& levels, std::size_t reach,
+                                     const std::vector<std::uint8_t>& fixed, const std::vector<Level>& labels,
+                                     const std::stop_token& stop) const {
   const TableFiller filler(*this, levels, fixed, labels);
   MatchTable matches;
   for (NodeIndex begin = 0; begin < num_nodes() && !stop.stop_requested(); begin += MatchTable::kChunkNodes) {
-    matches.Append(filler.Fill(begin, std::min(begin + MatchTable::kChunkNodes, num_nodes())));
+    matches.Append(filler.Fill(begin, std::min(begin + MatchTable::kChunkNodes, num_nodes()), reach));
   }
   return matches;
 }

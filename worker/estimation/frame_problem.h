@@ -39,7 +39,11 @@ class FrameProblem {
   // windows, less those of levels that fall on the same pixel as the one before. Not whole when cancelled.
   [[nodiscard]] MatchTable MatchesOnLevels(const std::vector<Level>& levels, const std::vector<std::uint8_t>& fixed,
                                            const std::vector<Level>& labels, const std::stop_token& stop) const;
-  // The same with nothing fixed.
+  // The same, but of each free node only on levels that are at most `reach`, by their index, from the one in `labels`.
+  [[nodiscard]] MatchTable MatchesNear(const std::vector<Level>& levels, std::size_t reach,
+                                       const std::vector<std::uint8_t>& fixed, const std::vector<Level>& labels,
+                                       const std::stop_token& stop) const;
+  // MatchesOnLevels with nothing fixed.
   [[nodiscard]] MatchTable MatchesOnLevels(const std::vector<Level>& levels, const std::stop_token& stop) const;
 
   // The matches of every node on the level it holds ([node][slot]), less those between fixed ones.

@@ -309,9 +309,9 @@ TEST(ResolveJobBlocks, FollowTheSizeOfTheProblem) {
       {Search::kFull, 75, 70000, 96, 8, 2},     // 20.16
       {Search::kFull, 75, 50000, 16, 2, 1},     // 2.4, of few levels: 8 a block
       {Search::kFull, 75, 70000, 10, 1, 1},     // 2.1
-      {Search::kSparse, 75, 70000, 190, 1, 1},  // 39.9
-      {Search::kSparse, 75, 70000, 191, 2, 1},  // 40.1
-      {Search::kSparse, 0, 70000, 191, 3, 2},   // every match is kept
+      {Search::kSparse, 75, 70000, 208, 1, 1},  // 43.7
+      {Search::kSparse, 75, 70000, 209, 2, 1},  // 43.9
+      {Search::kSparse, 0, 70000, 209, 3, 2},   // every match is kept
       {Search::kSparse, 75, 76800, 520, 3, 2},  // 119.8
   };
   for (const Blocks& blocks : cases) {
@@ -320,11 +320,52 @@ TEST(ResolveJobBlocks, FollowTheSizeOfTheProblem) {
     params.uniqueness = blocks.uniqueness;
     params.segments = blocks.segments;
     params.levels = blocks.levels;
+    params.refine_rounds = 0;
     const ResolvedJob job = Resolved(LineSequence({0, 0.1, 0.2}), params);
     EXPECT_EQ(job.level_blocks_i, blocks.of_i_frames) << blocks.segments << " x " << blocks.levels;
     EXPECT_EQ(job.level_blocks_p, blocks.of_p_frames) << blocks.segments << " x " << blocks.levels;
     EXPECT_EQ(job.params.level_blocks, job.level_blocks_i);
   }
+}
+
+TEST(ResolveJobBlocks, LevelsThatAreNotAllTriedTakeNoMemory) {
+  EstimationParams params;
+  params.segments = 76800;
+  params.levels = 520;
+  EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2}), params).level_blocks_i, 1);
+}
+
+TEST(SearchStep, IsAsLongAsLevelsThatRefinementNeeds) {
+  EstimationParams params;
+  params.levels = 250;
+  const ResolvedJob job = Resolved(LineSequence({0, 0.4}), params);  // 48 steps, as AutoIsAPixelAtTheNearestNeighbour
+  EXPECT_EQ(SearchStep(job, 1), 5);
+  EXPECT_EQ(SearchStep(job, 2), 3);  // of a part's levels, which are two apart
+  EXPECT_EQ(SearchStep(job, 5), 1);
+  EXPECT_EQ(SearchStep(job, 8), 1);
+  params.levels = 96;
+  EXPECT_EQ(SearchStep(Resolved(LineSequence({0, 0.4}), params), 1), 1);
+  params.levels = 97;
+  EXPECT_EQ(SearchStep(Resolved(LineSequence({0, 0.4}), params), 1), 2);
+  params.levels = 0;
+  EXPECT_EQ(SearchStep(Resolved(LineSequence({0, 0.4}), params), 1), 1);
+}
+
+TEST(SearchStep, OfContiguousPartsIsThatOfTheWhole) {
+  EstimationParams params;
+  params.levels = 250;
+  params.partition = Partition::kContiguous;
+  EXPECT_EQ(SearchStep(Resolved(LineSequence({0, 0.4}), params), 4), 5);
+}
+
+TEST(SearchStep, IsOneWhereAllLevelsAreTried) {
+  EstimationParams params;
+  params.levels = 250;
+  params.refine_rounds = 0;
+  EXPECT_EQ(SearchStep(Resolved(LineSequence({0, 0.4}), params), 1), 1);
+  params.refine_rounds = 4;
+  params.search = Search::kFull;
+  EXPECT_EQ(SearchStep(Resolved(LineSequence({0, 0.4}), params), 1), 1);
 }
 
 TEST(ResolveJobBlocks, AskedForAreThoseOfEveryFrame) {

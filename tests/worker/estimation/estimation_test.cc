@@ -226,6 +226,45 @@ TEST(EstimateBlock, StopsWhenAsked) {
             ErrorCode::kCancelled);
 }
 
+// Two frames at levels a third of a pixel apart, of which only some are tried at first.
+TEST(EstimateBlock, LevelsFinerThanAPixelAreFoundInSteps) {
+  EstimationParams params = SmallParams();
+  params.levels = 100;
+  const ResolvedJob job = SmallJob(params);
+  ASSERT_GT(SearchStep(job, 1), 1);
+  ResolvedJob all_tried = job;
+  all_tried.params.refine_rounds = 0;
+  ASSERT_EQ(SearchStep(all_tried, 1), 1);
+  const FrameAnalysis first = test::Analyse(Scene(), job, 0);
+  const LabelField field = test::EstimateFrame(job, first, nullptr, 1);
+  EXPECT_EQ(FrameProblem(job, first).ToNodes(field),
+            FrameProblem(job, first).ToNodes(test::EstimateFrame(job, first, nullptr, 1)));
+  const auto energy = static_cast<double>(test::EnergyOfField(job, first, field));
+  const LabelField whole = test::EstimateFrame(all_tried, first, nullptr, 1);
+  EXPECT_LT(energy, 0.99 * static_cast<double>(test::EnergyOfField(job, first, whole)));  // both are negative
+  const std::vector<Level>& levels = field.views[0].levels;
+  for (int remainder = 0; remainder < SearchStep(job, 1); ++remainder) {
+    EXPECT_TRUE(std::any_of(levels.begin(), levels.end(),
+                            [&](Level level) { return level % SearchStep(job, 1) == remainder; }));
+  }
+
+  const FrameAnalysis second = test::Analyse(Scene(), job, 1);
+  const TemporalReferences references = SelfReferences(first, field);
+  EstimationStats stats;
+  const LabelField next = EstimateBlock(job, second, &references, 1, 0, {}, &stats).value();
+  ASSERT_GT(stats.nodes, 0);
+  ASSERT_LT(stats.nodes, stats.segments);
+  // Unchanged segments count as on a level that is tried, but keep their own.
+  int between = 0;
+  for (const ViewLabels& view : next.views) {
+    for (std::size_t i = 0; i < view.levels.size(); ++i) {
+      const bool tried = view.levels[i] % SearchStep(job, 1) == SearchStep(job, 1) / 2;
+      between += view.unchanged[i] != 0 && !tried ? 1 : 0;
+    }
+  }
+  EXPECT_GT(between, 0);
+}
+
 class MergedBlocks : public testing::TestWithParam<std::tuple<int, Partition>> {};
 
 TEST_P(MergedBlocks, LoseLittleEnergyAgainstOneBlock) {  // Table VI: no visible loss up to 6 threads

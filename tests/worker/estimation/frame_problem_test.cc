@@ -170,6 +170,26 @@ TEST(FrameProblem, MatchesBetweenFixedNodesAreLeftOut) {
   }
 }
 
+TEST(FrameProblem, MatchesNearAreThoseOnLevelsWithinReach) {
+  const ResolvedJob job = Job(75);
+  const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
+  const FrameProblem frame(job, analysis);
+  const MatchTable all = frame.MatchesOnLevels(AllLevels(), {});
+  std::vector<Level> labels;
+  for (NodeIndex node = 0; node < frame.num_nodes(); ++node) labels.push_back(static_cast<Level>(node % kLevels));
+  for (const std::size_t reach : {std::size_t{0}, std::size_t{3}, std::size_t{kLevels}}) {
+    const MatchTable near = frame.MatchesNear(AllLevels(), reach, NoneFixed(frame), labels, {});
+    for (NodeIndex node = 0; node < frame.num_nodes(); ++node) {
+      std::vector<MatchTable::Match> expected;
+      for (const MatchTable::Match& match : all.Of(node)) {
+        const int apart = std::abs(int{match.level} - int{labels[node]});
+        if (static_cast<std::size_t>(apart) <= reach) expected.push_back(match);
+      }
+      ASSERT_THAT(near.Of(node), ElementsAreArray(expected));
+    }
+  }
+}
+
 // What the floor is for: a surface without texture matches everywhere, which is no reason to believe any depth.
 TEST(FrameProblem, ASurfaceWithoutTextureIsNotRewarded) {
   const auto rewards = [](int uniqueness) {
