@@ -10,7 +10,7 @@ std::uint64_t FetchIntoStore(ArtifactStore& store, ArtifactFetcher& fetcher, con
                              const std::stop_token& stop) {
   if (store.Find(artifact.artifact.key).has_value()) return 0;
   const Result<std::string> bytes = fetcher.Fetch(artifact, stop);
-  return bytes.ok() && store.Put(artifact.artifact.key, *bytes).ok() ? bytes->size() : 0;
+  return bytes.ok() && store.PutVerified(artifact.artifact, *bytes).ok() ? bytes->size() : 0;
 }
 
 FetchedAhead FetchAhead(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskSpec& spec,
