@@ -6,16 +6,23 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
 namespace depthfarm {
 
 // Calls function(i) for each i in [0, count), on up to `threads` threads, this one among them; returns when all have
-// ended. The calls must not depend on each other. The first exception is thrown here, after the others have ended;
-// calls that have not begun by then are left out.
+// ended. The calls must not depend on each other; which thread makes which is open. The first exception is thrown here,
+// after the others have ended; calls that have not begun by then are left out. On one thread it is a plain loop. Where
+// the system has no thread left it makes do with those it got.
 template <typename Function>
 void ParallelFor(std::size_t count, int threads, const Function& function) {
+  const std::size_t most = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
+  if (most <= 1) {
+    for (std::size_t i = 0; i < count; ++i) function(i);
+    return;
+  }
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   std::exception_ptr failure;
@@ -32,11 +39,21 @@ void ParallelFor(std::size_t count, int threads, const Function& function) {
   };
   {
     std::vector<std::jthread> helpers;
-    const std::size_t most = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
-    for (std::size_t i = 1; i < most; ++i) helpers.emplace_back(work);
+    helpers.reserve(most - 1);
+    try {
+      for (std::size_t i = 1; i < most; ++i) helpers.emplace_back(work);
+    } catch (const std::system_error&) {  // the work is done all the same
+    }
     work();
   }
   if (failure) std::rethrow_exception(failure);
+}
+
+// Calls function(begin, end) for pieces of [0, count), each of `piece` but for the last; else as ParallelFor.
+template <typename Function>
+void ParallelForPieces(std::size_t count, std::size_t piece, int threads, const Function& function) {
+  ParallelFor((count + piece - 1) / piece, threads,
+              [&](std::size_t i) { function(i * piece, std::min(count, (i + 1) * piece)); });
 }
 
 }  // namespace depthfarm

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <stdexcept>
 #include <vector>
 
@@ -31,6 +33,32 @@ TEST(ParallelFor, ThrowsWhatACallThrewAfterAllHaveEnded) {
   };
   EXPECT_THROW(ParallelFor(100, 4, call), std::runtime_error);
   EXPECT_EQ(running, 0);
+}
+
+TEST(ParallelFor, IsAPlainLoopOnOneThread) {
+  std::vector<std::size_t> order;
+  ParallelFor(4, 1, [&](std::size_t i) { order.push_back(i); });
+  EXPECT_EQ(order, (std::vector<std::size_t>{0, 1, 2, 3}));
+  const auto throws_at_two = [&](std::size_t i) {
+    if (i == 2) throw std::runtime_error("two");
+    order.push_back(i);
+  };
+  EXPECT_THROW(ParallelFor(4, 1, throws_at_two), std::runtime_error);
+  EXPECT_EQ(order.size(), 6U);
+}
+
+TEST(ParallelForPieces, CoversAllOnceInPiecesOfOneSize) {
+  for (const int threads : {1, 2, 3, 5}) {
+    for (const std::size_t count : {0U, 1U, 9U, 10U, 11U, 37U}) {
+      std::vector<std::atomic<int>> calls(count);
+      ParallelForPieces(count, 10, threads, [&](std::size_t begin, std::size_t end) {
+        EXPECT_EQ(begin % 10, 0U);
+        EXPECT_EQ(end, std::min(count, begin + 10));
+        for (std::size_t i = begin; i < end; ++i) ++calls[i];
+      });
+      for (const auto& calls_of_one : calls) EXPECT_EQ(calls_of_one, 1) << threads << " threads, " << count;
+    }
+  }
 }
 
 }  // namespace
