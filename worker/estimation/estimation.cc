@@ -52,39 +52,39 @@ Level NearestLevel(const std::vector<Level>& levels, Level level) {
 
 // From nothing to labels, as the job says.
 SearchSummary SearchLevels(const EstimationParams& params, const FrameProblem& frame, LabellingProblem& problem,
-                           std::vector<Level>& labels, const std::stop_token& stop) {
-  problem.matches = frame.MatchesOnLevels(problem.levels, problem.fixed, labels, stop);
+                           std::vector<Level>& labels, const std::stop_token& stop, int threads) {
+  problem.matches = frame.MatchesOnLevels(problem.levels, problem.fixed, labels, stop, threads);
   if (stop.stop_requested()) return {.cancelled = true};
   if (params.search == Search::kFull) {
     WinnerTakesAll(problem, labels);
-    return SearchFully(problem, labels, params.max_sweeps, stop);
+    return SearchFully(problem, labels, params.max_sweeps, stop, threads);
   }
-  LevelBeliefs beliefs = BeliefStart(problem, frame.Grids(), kBeliefPasses, labels, stop);
-  return SearchSparsely(problem, std::move(beliefs), labels, stop);
+  LevelBeliefs beliefs = BeliefStart(problem, frame.Grids(), kBeliefPasses, labels, stop, threads);
+  return SearchSparsely(problem, std::move(beliefs), labels, stop, threads);
 }
 
 // Each step-th of the problem's levels by the sparse search, in which unchanged segments count as on the nearest of
 // these; then those around what is found. Levels less than a pixel apart share most of their matches, and have few
 // that others would not lead to.
 SearchSummary SearchInSteps(const EstimationParams& params, const FrameProblem& frame, LabellingProblem& problem,
-                            std::size_t step, std::vector<Level>& labels, const std::stop_token& stop) {
+                            std::size_t step, std::vector<Level>& labels, const std::stop_token& stop, int threads) {
   const std::vector<Level> all = std::exchange(problem.levels, {});
   for (std::size_t level = step / 2; level < all.size(); level += step) problem.levels.push_back(all[level]);
   const std::vector<Level> given = labels;
   for (std::size_t node = 0; node < labels.size(); ++node) {
     labels[node] = problem.fixed[node] != 0 ? NearestLevel(problem.levels, given[node]) : problem.levels.front();
   }
-  SearchSummary summary = SearchLevels(params, frame, problem, labels, stop);
+  SearchSummary summary = SearchLevels(params, frame, problem, labels, stop, threads);
   if (summary.cancelled) return summary;
   for (std::size_t node = 0; node < labels.size(); ++node) {
     if (problem.fixed[node] != 0) labels[node] = given[node];
   }
   problem.levels = all;
   problem.matches = {};
-  problem.matches = frame.MatchesNear(problem.levels, step + 1, problem.fixed, labels, stop);
+  problem.matches = frame.MatchesNear(problem.levels, step + 1, problem.fixed, labels, stop, threads);
   if (stop.stop_requested()) return {.cancelled = true};
   const std::int64_t moves = summary.moves;
-  summary = SearchNear(problem, std::max<std::size_t>(1, step - 1), labels, stop);
+  summary = SearchNear(problem, std::max<std::size_t>(1, step - 1), labels, stop, threads);
   summary.moves += moves;
   return summary;
 }
@@ -94,7 +94,7 @@ SearchSummary SearchInSteps(const EstimationParams& params, const FrameProblem& 
 Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
                                  const TemporalReferences* references, int num_blocks, int block,
                                  const std::stop_token& stop, EstimationStats* stats,
-                                 std::shared_ptr<RewardFloors> floors) {
+                                 std::shared_ptr<RewardFloors> floors, int threads) {
   if (num_blocks < 1 || num_blocks > job.params.levels || block < 0 || block >= num_blocks) {
     return InvalidArgument("block " + std::to_string(block) + " of " + std::to_string(num_blocks) + " of " +
                            std::to_string(job.params.levels) + " levels is asked for");
@@ -109,12 +109,13 @@ Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& an
   problem.matches_per_node = frame.matches_per_node();
   problem.smoothness = frame.smoothness();
   problem.fixed.assign(frame.num_nodes(), 0);
+  problem.view_begin = frame.FirstNodes();
   std::vector<Level> labels(frame.num_nodes(), problem.levels.front());
   if (references != nullptr) AdoptDepth(job, analysis, *references, frame, labels, problem.fixed);
   const auto step = static_cast<std::size_t>(SearchStep(job, num_blocks));
   const SearchSummary summary = step > 1 && problem.levels.size() > step
-                                    ? SearchInSteps(job.params, frame, problem, step, labels, stop)
-                                    : SearchLevels(job.params, frame, problem, labels, stop);
+                                    ? SearchInSteps(job.params, frame, problem, step, labels, stop, threads)
+                                    : SearchLevels(job.params, frame, problem, labels, stop, threads);
   if (summary.cancelled) return Cancelled();
   if (stats != nullptr) {
     stats->sweeps = summary.sweeps;

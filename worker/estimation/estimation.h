@@ -40,11 +40,11 @@ struct EstimationStats {
 // Estimates the labels of one frame over the levels of block `block` of `num_blocks` (III, IV-A): memory to memory.
 // `references` is null for I frames. Unchanged segments keep the label of their reference whatever block it belongs to.
 // `floors`: what other parts of the frame have measured already (FloorMemory), or null. Same inputs, same result, on
-// any machine. Errors: kInvalidArgument when sizes do not fit the job; kCancelled.
+// any machine and any number of threads. Errors: kInvalidArgument when sizes do not fit the job; kCancelled.
 [[nodiscard]] Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
                                                const TemporalReferences* references, int num_blocks, int block,
                                                const std::stop_token& stop, EstimationStats* stats,
-                                               std::shared_ptr<RewardFloors> floors = nullptr);
+                                               std::shared_ptr<RewardFloors> floors = nullptr, int threads = 1);
 
 // Joins two partial results of the same frame into one by a two-label cut (IV-A, Fig. 3). E of the result is at most
 // the smaller of the two; ties keep the first. Errors as EstimateBlock, also where the two differ in what is unchanged.

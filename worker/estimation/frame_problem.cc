@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "common/base/parallel.h"
 #include "common/geometry/neighbours.h"
 #include "worker/cost/smoothness.h"
 #include "worker/cost/uniqueness.h"
@@ -228,18 +229,24 @@ MatchTable FrameProblem::MatchesOnLevels(const std::vector<Level>& levels, const
 }
 
 MatchTable FrameProblem::MatchesOnLevels(const std::vector<Level>& levels, const std::vector<std::uint8_t>& fixed,
-                                         const std::vector<Level>& labels, const std::stop_token& stop) const {
-  return MatchesNear(levels, levels.size(), fixed, labels, stop);
+                                         const std::vector<Level>& labels, const std::stop_token& stop,
+                                         int threads) const {
+  return MatchesNear(levels, levels.size(), fixed, labels, stop, threads);
 }
 
 MatchTable FrameProblem::MatchesNear(const std::vector<Level>& levels, std::size_t reach,
                                      const std::vector<std::uint8_t>& fixed, const std::vector<Level>& labels,
-                                     const std::stop_token& stop) const {
+                                     const std::stop_token& stop, int threads) const {
   const TableFiller filler(*this, levels, fixed, labels);
+  std::vector<MatchTable> parts((num_nodes() + MatchTable::kChunkNodes - 1) / MatchTable::kChunkNodes);
+  ParallelFor(parts.size(), threads, [&](std::size_t i) {
+    if (stop.stop_requested()) return;
+    const NodeIndex begin = static_cast<NodeIndex>(i) * MatchTable::kChunkNodes;
+    parts[i] = filler.Fill(begin, std::min(begin + MatchTable::kChunkNodes, num_nodes()), reach);
+  });
   MatchTable matches;
-  for (NodeIndex begin = 0; begin < num_nodes() && !stop.stop_requested(); begin += MatchTable::kChunkNodes) {
-    matches.Append(filler.Fill(begin, std::min(begin + MatchTable::kChunkNodes, num_nodes()), reach));
-  }
+  if (stop.stop_requested()) return matches;
+  for (MatchTable& part : parts) matches.Append(std::move(part));
   return matches;
 }
 

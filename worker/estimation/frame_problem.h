@@ -28,6 +28,8 @@ class FrameProblem {
   [[nodiscard]] NodeIndex num_nodes() const { return offsets_.back(); }
   // First node of a view; view num_views: the end.
   [[nodiscard]] NodeIndex offset(int view_index) const { return offsets_[static_cast<std::size_t>(view_index)]; }
+  // Of each view.
+  [[nodiscard]] std::vector<NodeIndex> FirstNodes() const { return {offsets_.begin(), offsets_.end() - 1}; }
   [[nodiscard]] const std::vector<SmoothnessLink>& smoothness() const { return smoothness_; }
   [[nodiscard]] int matches_per_node() const { return matches_per_node_; }
   // Each view's segments as the grid of their seeds; as one row where there are not as many as the job's seeds, so that
@@ -38,11 +40,12 @@ class FrameProblem {
   // free nodes on the level it holds: the others it never takes, or they are constants. Work: levels x free nodes x D
   // windows, less those of levels that fall on the same pixel as the one before. Not whole when cancelled.
   [[nodiscard]] MatchTable MatchesOnLevels(const std::vector<Level>& levels, const std::vector<std::uint8_t>& fixed,
-                                           const std::vector<Level>& labels, const std::stop_token& stop) const;
+                                           const std::vector<Level>& labels, const std::stop_token& stop,
+                                           int threads = 1) const;
   // The same, but of each free node only on levels that are at most `reach`, by their index, from the one in `labels`.
   [[nodiscard]] MatchTable MatchesNear(const std::vector<Level>& levels, std::size_t reach,
                                        const std::vector<std::uint8_t>& fixed, const std::vector<Level>& labels,
-                                       const std::stop_token& stop) const;
+                                       const std::stop_token& stop, int threads = 1) const;
   // MatchesOnLevels with nothing fixed.
   [[nodiscard]] MatchTable MatchesOnLevels(const std::vector<Level>& levels, const std::stop_token& stop) const;
 

@@ -56,11 +56,12 @@ inline constexpr int kBeliefPasses = 2;  // of the default; a third gains nothin
 // that it believes in most, the farthest of equals; fixed nodes keep what `labels` holds and are certain of it.
 //
 // Costs are 16-bit integers, so the result is the same everywhere; a cost along a path never exceeds kMostPathCost of
-// them, and rewards larger than fit are scaled down. Passes read the pass before: the order of views does not matter.
+// them, and rewards larger than fit are scaled down. Passes read the pass before: the order of views does not matter,
+// and sums of integers are the same in any order: threads take rows, then columns.
 // Work: free nodes x levels x passes. Returns what is believed in the end. Returns early, with nothing and labels as
 // they were, when cancelled.
 LevelBeliefs BeliefStart(const LabellingProblem& problem, const std::vector<SegmentGrid>& grids, int iterations,
-                         std::vector<Level>& labels, const std::stop_token& stop);
+                         std::vector<Level>& labels, const std::stop_token& stop, int threads = 1);
 
 }  // namespace depthfarm
 

@@ -15,27 +15,36 @@ int DistanceFromInterval(Level alpha, Level a, Level b) {
   return alpha > high ? alpha - high : 0;
 }
 
+constexpr int kMostThreads = 64;
+
 }  // namespace
 
-Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels)
+Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels, int threads)
     : problem_(problem),
       labels_(labels),
       width_(static_cast<std::size_t>(std::max(problem.matches_per_node, 1))),
+      threads_(std::clamp(threads, 1, kMostThreads)),
       held_(problem.num_nodes * width_),
       moves_(problem.num_nodes, 0),
       gathered_(problem.num_nodes, 0),
       in_graph_(problem.num_nodes) {
   const auto is_free = [&](NodeIndex node) { return problem.fixed[node] == 0; };
-  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
-    HoldMatches(node);
-    if (is_free(node)) {
-      free_.push_back(node);
-      continue;
+  if (threads_ > 1) part_of_ = BandsOf(problem, threads_);
+  parts_.resize(static_cast<std::size_t>(threads_));
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].index = i;
+  ForParts([&](Part& part) {
+    for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
+      if (!IsOf(part, node)) continue;
+      HoldMatches(node);
+      if (is_free(node)) {
+        part.free.push_back(node);
+        continue;
+      }
+      const auto held = held_.begin() + static_cast<std::ptrdiff_t>(node * width_);
+      const auto rewards_free = [&](const MatchLink& match) { return match.reward != 0 && is_free(match.target); };
+      if (std::any_of(held, held + static_cast<std::ptrdiff_t>(width_), rewards_free)) part.rewarding.push_back(node);
     }
-    const auto held = held_.begin() + static_cast<std::ptrdiff_t>(node * width_);
-    const auto rewards_free = [&](const MatchLink& match) { return match.reward != 0 && is_free(match.target); };
-    if (std::any_of(held, held + static_cast<std::ptrdiff_t>(width_), rewards_free)) rewarding_.push_back(node);
-  }
+  });
   BuildLinks();
   energy_ = TotalEnergy(problem, labels);
 }
@@ -84,10 +93,10 @@ void Expansion::IndexHolders() {
   for (Place place = 0; place < held_.size(); ++place) {
     if (held_[place].reward != 0) Enlist(place);
   }
-  holders_of_level_.assign(problem_.levels.size(), {});
+  for (Part& part : parts_) part.holders_of_level.assign(problem_.levels.size(), {});
   for (NodeIndex node = 0; node < problem_.num_nodes; ++node) {
     const int level = LevelIndex(problem_, labels_[node]);
-    if (level >= 0) holders_of_level_[static_cast<std::size_t>(level)].push_back(node);
+    if (level >= 0) PartOf(node).holders_of_level[static_cast<std::size_t>(level)].push_back(node);
   }
 }
 
@@ -107,19 +116,33 @@ void Expansion::Delist(Place place) {
   (prior != kNoPlace ? next_holder_[prior] : first_holder_[held_[place].target]) = next;
 }
 
-void Expansion::BeginGraph(std::span<const NodeIndex> nodes, const Move& move) {
-  movers_.clear();
+void Expansion::ChooseMovers(Part& part, std::span<const NodeIndex> nodes, const Move& move) {
+  part.movers.clear();
   for (const NodeIndex node : nodes) {
     if (problem_.fixed[node] != 0 || labels_[node] == move.alpha) continue;
     moves_[node] = time_;
-    in_graph_[node] = static_cast<MaxFlow::Node>(movers_.size());
-    movers_.push_back(node);
+    part.movers.push_back(node);
   }
-  flow_.Reset(static_cast<MaxFlow::Node>(movers_.size()));
-  terminal_.assign(movers_.size(), 0);
 }
 
-void Expansion::AddSmoothness(NodeIndex node, const Move& move) {
+void Expansion::BeginGraph() {
+  std::vector<MaxFlow::Node> bounds{0};
+  for (Part& part : parts_) {
+    part.first = bounds.back();
+    bounds.push_back(part.first + static_cast<MaxFlow::Node>(part.movers.size()));
+  }
+  flow_.Reset(bounds, threads_);
+  terminal_.resize(bounds.back());
+  ForParts([&](Part& part) {
+    part.shares.clear();
+    for (std::size_t i = 0; i < part.movers.size(); ++i) {
+      in_graph_[part.movers[i]] = part.first + static_cast<MaxFlow::Node>(i);
+      terminal_[part.first + i] = 0;
+    }
+  });
+}
+
+void Expansion::AddSmoothness(Part& part, NodeIndex node, const Move& move) {
   const Level s = labels_[node];
   for (std::uint32_t i = link_begin_[node]; i < link_begin_[node + 1]; ++i) {
     const Link& link = links_[i];
@@ -131,13 +154,13 @@ void Expansion::AddSmoothness(NodeIndex node, const Move& move) {
     } else if (node < link.other) {  // once
       const std::int64_t apart = beta * DistanceFromInterval(move.alpha, s, t);
       Terminal(node) += beta * Distance(move.alpha, t) - keep_both - apart;
-      Terminal(link.other) += beta * Distance(s, move.alpha) - keep_both - apart;
-      if (apart != 0) flow_.AddEdge(InGraph(node), InGraph(link.other), static_cast<std::int32_t>(apart));
+      AddToTerminal(part, link.other, beta * Distance(s, move.alpha) - keep_both - apart);
+      if (apart != 0) flow_.AddEdge(part.index, InGraph(node), InGraph(link.other), static_cast<std::int32_t>(apart));
     }
   }
 }
 
-void Expansion::AddMatches(NodeIndex node, const Move& move) {
+void Expansion::AddMatches(Part& part, NodeIndex node, const Move& move) {
   for (std::size_t slot = 0; slot < width_; ++slot) {
     const MatchLink& keep = held_[node * width_ + slot];
     if (keep.reward == 0 || labels_[keep.target] != labels_[node]) continue;
@@ -146,8 +169,8 @@ void Expansion::AddMatches(NodeIndex node, const Move& move) {
       Terminal(node) += reward;  // lost when the node leaves
     } else {
       Terminal(node) += reward / 2;
-      Terminal(keep.target) += reward / 2;
-      flow_.AddEdge(InGraph(node), InGraph(keep.target), reward / 2);
+      AddToTerminal(part, keep.target, reward / 2);
+      flow_.AddEdge(part.index, InGraph(node), InGraph(keep.target), reward / 2);
     }
   }
   for (const MatchTable::Match& take : problem_.matches.At(node, move.level)) {
@@ -156,22 +179,24 @@ void Expansion::AddMatches(NodeIndex node, const Move& move) {
       Terminal(node) -= reward;
     } else if (Moves(take.target)) {
       Terminal(node) -= reward / 2;
-      Terminal(take.target) -= reward / 2;
-      flow_.AddEdge(InGraph(node), InGraph(take.target), reward / 2);
+      AddToTerminal(part, take.target, -(reward / 2));
+      flow_.AddEdge(part.index, InGraph(node), InGraph(take.target), reward / 2);
     }
   }
 }
 
-void Expansion::AddMatchOfConstant(NodeIndex node, const MatchLink& match, const Move& move) {
+void Expansion::AddMatchOfConstant(Part& part, NodeIndex node, const MatchLink& match, const Move& move) {
   if (match.reward == 0 || !Moves(match.target)) return;
   if (labels_[node] == move.alpha) {
-    Terminal(match.target) -= match.RewardUnits();
+    AddToTerminal(part, match.target, -match.RewardUnits());
   } else if (labels_[match.target] == labels_[node]) {
-    Terminal(match.target) += match.RewardUnits();
+    AddToTerminal(part, match.target, match.RewardUnits());
   }
 }
 
 std::int64_t Expansion::Solve(const Move& move) {
+  for (const Part& part : parts_)
+    for (const Share& share : part.shares) Terminal(share.node) += share.weight;
   // Least E - E(keep all) = (sum of the negative linear coefficients) + maximum flow.
   std::int64_t delta = 0;
   for (std::size_t i = 0; i < terminal_.size(); ++i) {
@@ -179,13 +204,16 @@ std::int64_t Expansion::Solve(const Move& move) {
     if (terminal_[i] != 0) flow_.AddTerminal(static_cast<MaxFlow::Node>(i), -terminal_[i]);
   }
   if (delta == 0) return 0;
-  delta += flow_.Solve();
+  delta += flow_.Solve(threads_);
   if (delta == 0) return 0;
-  for (std::size_t i = 0; i < movers_.size(); ++i) {
-    if (!flow_.InSourceSide(static_cast<MaxFlow::Node>(i))) continue;
-    labels_[movers_[i]] = move.alpha;
-    HoldMatches(movers_[i]);
-    if (indexed_) holders_of_level_[move.level].push_back(movers_[i]);
+  for (Part& part : parts_) {
+    for (std::size_t i = 0; i < part.movers.size(); ++i) {
+      if (!flow_.InSourceSide(part.first + static_cast<MaxFlow::Node>(i))) continue;
+      const NodeIndex node = part.movers[i];
+      labels_[node] = move.alpha;
+      HoldMatches(node);
+      if (indexed_) part.holders_of_level[move.level].push_back(node);
+    }
   }
   energy_ += delta;
   return delta;
@@ -194,67 +222,98 @@ std::int64_t Expansion::Solve(const Move& move) {
 std::int64_t Expansion::Expand(std::size_t level) {
   const Move move{level, problem_.levels[level]};
   ++time_;
-  BeginGraph(free_, move);
-  for (const NodeIndex node : movers_) {
-    AddSmoothness(node, move);
-    AddMatches(node, move);
-  }
-  const auto add_constant = [&](NodeIndex node) {
-    for (std::size_t slot = 0; slot < width_; ++slot) AddMatchOfConstant(node, held_[node * width_ + slot], move);
-  };
-  for (const NodeIndex node : free_) {
-    if (labels_[node] == move.alpha) add_constant(node);
-  }
-  for (const NodeIndex node : rewarding_) add_constant(node);
+  ForParts([&](Part& part) { ChooseMovers(part, part.free, move); });
+  BeginGraph();
+  ForParts([&](Part& part) {
+    for (const NodeIndex node : part.movers) {
+      AddSmoothness(part, node, move);
+      AddMatches(part, node, move);
+    }
+    const auto add_constant = [&](NodeIndex node) {
+      for (std::size_t slot = 0; slot < width_; ++slot)
+        AddMatchOfConstant(part, node, held_[node * width_ + slot], move);
+    };
+    for (const NodeIndex node : part.free) {
+      if (labels_[node] == move.alpha) add_constant(node);
+    }
+    for (const NodeIndex node : part.rewarding) add_constant(node);
+  });
   return Solve(move);
 }
 
-void Expansion::GatherNear(const Move& move, std::size_t band) {
-  near_.clear();
+void Expansion::GatherNear(Part& part, const Move& move, std::size_t band) {
+  part.near.clear();
+  part.near_elsewhere.clear();
   const std::size_t end = std::min(move.level + band + 1, problem_.levels.size());
   for (std::size_t level = move.level - std::min(band, move.level); level < end; ++level) {
-    std::vector<NodeIndex>& holders = holders_of_level_[level];
+    std::vector<NodeIndex>& holders = part.holders_of_level[level];
     std::size_t kept = 0;
     for (const NodeIndex node : holders) {
       if (labels_[node] != problem_.levels[level] || gathered_[node] == time_) continue;  // left, or came twice
-      Gather(node);
+      Gather(part, node);
       holders[kept++] = node;
     }
     holders.resize(kept);
   }
-  const std::size_t seeds = near_.size();
+  const auto gather = [&](NodeIndex node) {
+    if (IsOf(part, node)) {
+      Gather(part, node);
+    } else {
+      part.near_elsewhere.push_back(node);
+    }
+  };
+  const std::size_t seeds = part.near.size();
   for (std::size_t i = 0; i < seeds; ++i) {
-    const NodeIndex node = near_[i];
-    for (std::uint32_t link = link_begin_[node]; link < link_begin_[node + 1]; ++link) Gather(links_[link].other);
-    for (const MatchTable::Match& match : problem_.matches.At(node, move.level)) Gather(match.target);
+    const NodeIndex node = part.near[i];
+    for (std::uint32_t link = link_begin_[node]; link < link_begin_[node + 1]; ++link) gather(links_[link].other);
+    for (const MatchTable::Match& match : problem_.matches.At(node, move.level)) gather(match.target);
   }
-  std::sort(near_.begin(), near_.end());  // neighbours in the graph lie near each other in memory; no cut depends on it
+}
+
+void Expansion::GatherFromOthers(Part& part) {
+  for (const Part& other : parts_) {
+    for (const NodeIndex node : other.near_elsewhere)
+      if (IsOf(part, node)) Gather(part, node);
+  }
 }
 
 std::int64_t Expansion::ExpandNear(std::size_t level, std::size_t band) {
   const Move move{level, problem_.levels[level]};
   if (!indexed_) IndexHolders();
   ++time_;
-  GatherNear(move, band);
-  return MoveSome(near_, move);
+  ForParts([&](Part& part) { GatherNear(part, move, band); });
+  ForParts([&](Part& part) {
+    GatherFromOthers(part);
+    // Neighbours in the graph lie near each other in memory then; no cut depends on it.
+    std::sort(part.near.begin(), part.near.end());
+  });
+  return MoveGathered(move);
 }
 
 std::int64_t Expansion::ExpandAmong(std::size_t level, std::span<const NodeIndex> nodes) {
   const Move move{level, problem_.levels[level]};
   if (!indexed_) IndexHolders();
   ++time_;
-  return MoveSome(nodes, move);
+  ForParts([&](Part& part) {
+    part.near.clear();
+    for (const NodeIndex node : nodes)
+      if (IsOf(part, node)) part.near.push_back(node);
+  });
+  return MoveGathered(move);
 }
 
-std::int64_t Expansion::MoveSome(std::span<const NodeIndex> nodes, const Move& move) {
-  BeginGraph(nodes, move);
-  for (const NodeIndex node : movers_) {
-    AddSmoothness(node, move);
-    AddMatches(node, move);
-    for (Place place = first_holder_[node]; place != kNoPlace; place = next_holder_[place]) {
-      if (!Moves(HolderOf(place))) AddMatchOfConstant(HolderOf(place), held_[place], move);
+std::int64_t Expansion::MoveGathered(const Move& move) {
+  ForParts([&](Part& part) { ChooseMovers(part, part.near, move); });
+  BeginGraph();
+  ForParts([&](Part& part) {
+    for (const NodeIndex node : part.movers) {
+      AddSmoothness(part, node, move);
+      AddMatches(part, node, move);
+      for (Place place = first_holder_[node]; place != kNoPlace; place = next_holder_[place]) {
+        if (!Moves(HolderOf(place))) AddMatchOfConstant(part, HolderOf(place), held_[place], move);
+      }
     }
-  }
+  });
   return Solve(move);
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "common/base/parallel.h"
 #include "worker/optimization/labelling_problem.h"
 #include "worker/optimization/max_flow.h"
 
@@ -25,12 +26,15 @@ namespace depthfarm {
 //
 // Of all labellings of least energy in a move the one that changes fewest nodes is taken (the canonical cut), so the
 // result is a function of the problem alone. The graph holds the movers alone, and a move's work grows with them.
-// Not thread-safe.
+//
+// On several threads (1 to 64) the nodes are cut into as many bands (BandsOf), and each thread gathers, builds and cuts
+// one of them; then one thread ends the cut across bands (MaxFlow). Labels are the same on any number of threads. Not
+// thread-safe.
 class Expansion {
  public:
   // `labels` holds the start (fixed nodes: their labels); free nodes must hold levels of the problem. Both must outlive
   // this.
-  Expansion(const LabellingProblem& problem, std::vector<Level>& labels);
+  Expansion(const LabellingProblem& problem, std::vector<Level>& labels, int threads = 1);
 
   // One move to problem.levels[level]; every free node that does not hold it moves. Returns the change of energy, <= 0;
   // labels change only if it is < 0.
@@ -67,20 +71,57 @@ class Expansion {
     std::size_t level = 0;
     Level alpha = 0;
   };
-  void GatherNear(const Move& move, std::size_t band);
-  void Gather(NodeIndex node) {
+  // What a node of one part adds to the terminal of another's.
+  struct Share {
+    NodeIndex node = 0;
+    std::int64_t weight = 0;
+  };
+  struct Part {
+    std::size_t index = 0;
+    std::vector<NodeIndex> free;       // its nodes that are not fixed, ascending
+    std::vector<NodeIndex> rewarding;  // its fixed nodes with a match on their own level whose target is free
+    std::vector<std::vector<NodeIndex>> holders_of_level;  // made by IndexHolders: with those that have left since
+    // Of the current move.
+    std::vector<NodeIndex> near;
+    std::vector<NodeIndex> near_elsewhere;  // what it gathers of other parts, as often as met
+    std::vector<NodeIndex> movers;
+    MaxFlow::Node first = 0;  // the first of its movers in the graph
+    std::vector<Share> shares;
+  };
+
+  void GatherNear(Part& part, const Move& move, std::size_t band);
+  void GatherFromOthers(Part& part);
+  void Gather(Part& part, NodeIndex node) {
     if (gathered_[node] == time_) return;
     gathered_[node] = time_;
-    near_.push_back(node);
+    part.near.push_back(node);
   }
   // Makes movers of nodes that are free and do not hold alpha.
-  void BeginGraph(std::span<const NodeIndex> nodes, const Move& move);
-  // A move of these nodes, in the index of holders.
-  std::int64_t MoveSome(std::span<const NodeIndex> nodes, const Move& move);
-  void AddSmoothness(NodeIndex node, const Move& move);
-  void AddMatches(NodeIndex node, const Move& move);
+  void ChooseMovers(Part& part, std::span<const NodeIndex> nodes, const Move& move);
+  // A move of what the parts have gathered, in the index of holders.
+  std::int64_t MoveGathered(const Move& move);
+  // Makes a graph of the movers of all parts.
+  void BeginGraph();
+  void AddSmoothness(Part& part, NodeIndex node, const Move& move);
+  void AddMatches(Part& part, NodeIndex node, const Move& move);
   // A constant node's reward depends only on its target: gained if that takes alpha, or lost if it leaves.
-  void AddMatchOfConstant(NodeIndex node, const MatchLink& match, const Move& move);
+  void AddMatchOfConstant(Part& part, NodeIndex node, const MatchLink& match, const Move& move);
+  void AddToTerminal(Part& part, NodeIndex node, std::int64_t weight) {
+    if (IsOf(part, node)) {
+      Terminal(node) += weight;
+    } else {
+      part.shares.push_back({node, weight});
+    }
+  }
+  // Calls each(part) for all parts, on as many threads.
+  template <typename Each>
+  void ForParts(const Each& each) {
+    ParallelFor(parts_.size(), threads_, [&](std::size_t i) { each(parts_[i]); });
+  }
+  [[nodiscard]] bool IsOf(const Part& part, NodeIndex node) const {
+    return part_of_.empty() || part_of_[node] == part.index;
+  }
+  [[nodiscard]] Part& PartOf(NodeIndex node) { return parts_[part_of_.empty() ? 0 : part_of_[node]]; }
   std::int64_t Solve(const Move& move);
 
   [[nodiscard]] bool Moves(NodeIndex node) const { return moves_[node] == time_; }
@@ -90,28 +131,25 @@ class Expansion {
 
   const LabellingProblem& problem_;
   std::vector<Level>& labels_;
-  std::size_t width_;                      // D, at least 1
-  std::vector<NodeIndex> free_;            // not fixed, ascending
+  std::size_t width_;  // D, at least 1
+  int threads_;
+  std::vector<std::uint16_t> part_of_;  // per node; empty: there is one part
+  std::vector<Part> parts_;
   std::vector<std::uint32_t> link_begin_;  // per node: where its links begin, and the end
   std::vector<Link> links_;                // of each node, but of pairs with at least one free end
-  std::vector<NodeIndex> rewarding_;       // fixed nodes with a match on their own level whose target is free
   std::vector<MatchLink> held_;            // [node][slot]: the matches of each node on the level it holds
 
-  // Made by IndexHolders: the places of held matches by their target, as lists; and nodes by level, with those that
-  // have left since.
+  // Made by IndexHolders: the places of held matches by their target, as lists.
   std::vector<Place> first_holder_;  // per node
   std::vector<Place> next_holder_;   // per place
   std::vector<Place> prior_holder_;  // per place
-  std::vector<std::vector<NodeIndex>> holders_of_level_;
   bool indexed_ = false;
 
   // Of the current move.
   std::uint32_t time_ = 0;
   std::vector<std::uint32_t> moves_;     // per node: the last move in which it was a mover
   std::vector<std::uint32_t> gathered_;  // per node: the last move in which it was gathered
-  std::vector<NodeIndex> near_;
-  std::vector<NodeIndex> movers_;
-  std::vector<MaxFlow::Node> in_graph_;  // per node: its place in movers_, if it moves
+  std::vector<MaxFlow::Node> in_graph_;  // per node: its number in the graph, if it moves
   std::vector<std::int64_t> terminal_;   // per mover: the linear coefficient of its x
   MaxFlow flow_;
   std::int64_t energy_ = 0;

@@ -5,6 +5,19 @@
 
 namespace depthfarm {
 
+std::vector<std::uint16_t> BandsOf(const LabellingProblem& problem, int parts) {
+  std::vector<std::uint16_t> bands(problem.num_nodes, 0);
+  std::vector<NodeIndex> begins = problem.view_begin;
+  if (begins.empty()) begins.push_back(0);
+  begins.push_back(problem.num_nodes);
+  for (std::size_t view = 0; view + 1 < begins.size(); ++view) {
+    const std::uint64_t nodes = begins[view + 1] - begins[view];
+    for (std::uint64_t i = 0; i < nodes; ++i)
+      bands[begins[view] + i] = static_cast<std::uint16_t>(i * static_cast<std::uint64_t>(parts) / nodes);
+  }
+  return bands;
+}
+
 int LevelIndex(const LabellingProblem& problem, Level level) {
   const auto found = std::lower_bound(problem.levels.begin(), problem.levels.end(), level);
   if (found == problem.levels.end() || *found != level) return -1;

@@ -25,7 +25,13 @@ struct LabellingProblem {
   MatchTable matches;                      // of every node, on the levels by their index
   std::vector<SmoothnessLink> smoothness;  // each adjacent pair once
   std::vector<std::uint8_t> fixed;         // per node: 1 = unchanged (III-E): keeps its label, which may be any level
+  std::vector<NodeIndex> view_begin;       // the first node of each view, ascending from 0; empty: all are of one
 };
+
+// Cuts the nodes into `parts`, >= 1: of each view the first, second ... piece of its nodes, so that the part is a band
+// of all views. Segments are numbered row by row, so most links of a node stay in its part. Returns the part of each
+// node. Says nothing of the result: for threads that work side by side.
+[[nodiscard]] std::vector<std::uint16_t> BandsOf(const LabellingProblem& problem, int parts);
 
 // Index of `level` in problem.levels, or -1.
 [[nodiscard]] int LevelIndex(const LabellingProblem& problem, Level level);

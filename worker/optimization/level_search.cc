@@ -7,10 +7,20 @@
 #include "worker/optimization/expansion.h"
 
 namespace depthfarm {
+namespace {
+
+// Of `threads` those that get enough nodes to be worth their start, often.
+int WorthStarting(const LabellingProblem& problem, int threads) {
+  constexpr std::ptrdiff_t kNodesOfThread = 4096;
+  const std::ptrdiff_t num_free = std::count(problem.fixed.begin(), problem.fixed.end(), 0);
+  return static_cast<int>(std::clamp<std::ptrdiff_t>(num_free / kNodesOfThread, 1, std::max(threads, 1)));
+}
+
+}  // namespace
 
 SearchSummary SearchFully(const LabellingProblem& problem, std::vector<Level>& labels, int max_sweeps,
-                          const std::stop_token& stop) {
-  Expansion expansion(problem, labels);
+                          const std::stop_token& stop, int threads) {
+  Expansion expansion(problem, labels, WorthStarting(problem, threads));
   SearchSummary summary;
   const std::size_t num_levels = problem.levels.size();
   std::vector<std::int64_t> tried_at(num_levels, -1);  // number of moves made when the level was last tried
@@ -74,7 +84,7 @@ std::vector<std::vector<NodeIndex>> WhoBelieves(const LabellingProblem& problem,
 }  // namespace
 
 SearchSummary SearchSparsely(const LabellingProblem& problem, LevelBeliefs beliefs, std::vector<Level>& labels,
-                             const std::stop_token& stop) {
+                             const std::stop_token& stop, int threads) {
   constexpr std::size_t kFewLevels = 32;  // as cheap as it gets, and each far from the next
   constexpr std::size_t kFullLevels = 16;
   constexpr std::size_t kMostStride = 4;
@@ -87,7 +97,7 @@ SearchSummary SearchSparsely(const LabellingProblem& problem, LevelBeliefs belie
   const bool all = beliefs.empty() || num_levels <= kFewLevels;
   if (!all) believers = WhoBelieves(problem, beliefs, stride);
   beliefs = {};  // their memory is as much as all matches take
-  Expansion expansion(problem, labels);
+  Expansion expansion(problem, labels, WorthStarting(problem, threads));
   SearchSummary summary;
   for (std::size_t i = 0; stride / 2 + i * stride < num_levels && !stop.stop_requested(); ++i) {
     const std::size_t level = stride / 2 + i * stride;
@@ -102,8 +112,8 @@ SearchSummary SearchSparsely(const LabellingProblem& problem, LevelBeliefs belie
 }
 
 SearchSummary SearchNear(const LabellingProblem& problem, std::size_t band, std::vector<Level>& labels,
-                         const std::stop_token& stop) {
-  Expansion expansion(problem, labels);
+                         const std::stop_token& stop, int threads) {
+  Expansion expansion(problem, labels, WorthStarting(problem, threads));
   SearchSummary summary;
   MoveNear(expansion, problem.levels.size(), band, stop, summary);
   Conclude(expansion, stop, summary);

@@ -11,7 +11,8 @@
 
 namespace depthfarm {
 
-// In which order a problem's levels are expanded, and who may move to them. Labels hold the start and then the result.
+// In which order a problem's levels are expanded, and who may move to them. Labels hold the start and then the result,
+// which is the same on any number of threads.
 struct SearchSummary {
   int sweeps = 0;
   std::int64_t moves = 0;  // that lowered the energy
@@ -23,7 +24,7 @@ struct SearchSummary {
 // lowers E, or max_sweeps (0 = no limit). A level is not tried again while nothing has changed since its last try (its
 // move would find the same problem).
 [[nodiscard]] SearchSummary SearchFully(const LabellingProblem& problem, std::vector<Level>& labels, int max_sweeps,
-                                        const std::stop_token& stop);
+                                        const std::stop_token& stop, int threads = 1);
 
 // A free node finds a level plausible that it believes at most so much worse than its best, match steps; the reward of
 // two perfect matches is 540.
@@ -35,12 +36,12 @@ inline constexpr std::int32_t kPlausible = 200;
 // of the k levels around it. Then SearchNear, three levels. Each move is exact on the nodes that it moves, so the
 // energy never rises.
 [[nodiscard]] SearchSummary SearchSparsely(const LabellingProblem& problem, LevelBeliefs beliefs,
-                                           std::vector<Level>& labels, const std::stop_token& stop);
+                                           std::vector<Level>& labels, const std::stop_token& stop, int threads = 1);
 
 // From labels that are nearly right: downwards, every free node may move to levels at most `band` (in indices of the
 // problem's levels) from its own or a linked node's; then, upwards, to a linked node's. The energy never rises.
 [[nodiscard]] SearchSummary SearchNear(const LabellingProblem& problem, std::size_t band, std::vector<Level>& labels,
-                                       const std::stop_token& stop);
+                                       const std::stop_token& stop, int threads = 1);
 
 }  // namespace depthfarm
 

@@ -142,6 +142,18 @@ TEST(FrameProblem, MatchesAreTheSameWithFloorsThatAnotherPartMeasured) {
             FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), {}));
 }
 
+TEST(FrameProblem, MatchesAreTheSameOnAnyNumberOfThreads) {
+  const ResolvedJob job = Job(75);
+  const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
+  const FrameProblem frame(job, analysis);
+  const std::vector<std::uint8_t> fixed(frame.num_nodes(), 0);
+  const std::vector<Level> labels(frame.num_nodes(), 0);
+  const MatchTable one = frame.MatchesOnLevels(AllLevels(), {});
+  for (const int threads : {2, 3, 5}) {
+    EXPECT_EQ(FrameProblem(job, analysis).MatchesOnLevels(AllLevels(), fixed, labels, {}, threads), one) << threads;
+  }
+}
+
 TEST(FrameProblem, MatchesBetweenFixedNodesAreLeftOut) {
   const ResolvedJob job = Job(75);
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);

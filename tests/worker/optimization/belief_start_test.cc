@@ -191,6 +191,23 @@ TEST(BeliefStart, AStrongLinkIsNeverAWeakOne) {
   }
 }
 
+TEST(BeliefStart, IsTheSameOnAnyNumberOfThreads) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    Random random(seed);
+    const int columns = random.Int(20, 40);
+    const int nodes = columns * random.Int(20, 40);
+    const RandomProblem p = MakeRandomProblem(random, nodes, 2, random.Int(1, 6), seed % 2 == 0 ? 30 : 0);
+    const std::vector<SegmentGrid> grids = RandomGrids(random, nodes, 2, columns);
+    std::vector<Level> one = p.labels;
+    BeliefStart(p.problem, grids, 2, one, {});
+    for (const int threads : {2, 3, 5}) {
+      std::vector<Level> labels = p.labels;
+      BeliefStart(p.problem, grids, 2, labels, {}, threads);
+      EXPECT_EQ(labels, one) << "seed " << seed << ", " << threads << " threads";
+    }
+  }
+}
+
 TEST(BeliefStart, LeavesLabelsAloneWhenCancelled) {
   Random random(1);
   const RandomProblem p = MakeRandomProblem(random, 4, 2, 3, 0);

@@ -188,5 +188,43 @@ TEST(WinnerTakesAll, TakesTheLargestSumAndTheFarthestOfEquals) {
   EXPECT_EQ(labels, (std::vector<Level>{3, 5}));
 }
 
+TEST(Expansion, MovesAreTheSameOnAnyNumberOfThreads) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    RandomProblem p =
+        MakeRandomProblem(random, random.Int(3, 60), random.Int(2, 3), random.Int(2, 6), seed % 3 == 0 ? 30 : 0);
+    const auto per_view = p.problem.num_nodes / 2;
+    if (seed % 2 == 0) p.problem.view_begin = {0, per_view};
+    for (const int threads : {2, 3, 5}) {
+      std::vector<Level> plain = p.labels;
+      std::vector<Level> labels = p.labels;
+      Expansion alone(p.problem, plain);
+      Expansion shared(p.problem, labels, threads);
+      for (std::size_t l = 0; l < p.problem.levels.size(); ++l) {
+        ASSERT_EQ(shared.Expand(l), alone.Expand(l)) << threads << " threads";
+        ASSERT_EQ(labels, plain) << threads << " threads, level " << l;
+      }
+      for (const std::size_t band : {std::size_t{1}, std::size_t{0}}) {
+        for (std::size_t l = p.problem.levels.size(); l-- > 0;) {
+          ASSERT_EQ(shared.ExpandNear(l, band), alone.ExpandNear(l, band)) << threads << " threads";
+          ASSERT_EQ(labels, plain) << threads << " threads, near level " << l;
+        }
+      }
+      EXPECT_EQ(shared.energy(), alone.energy());
+    }
+  }
+}
+
+TEST(BandsOf, CutsEachViewIntoPiecesOfAboutOneSize) {
+  LabellingProblem problem;
+  problem.num_nodes = 7;
+  problem.view_begin = {0, 4};
+  EXPECT_EQ(BandsOf(problem, 2), (std::vector<std::uint16_t>{0, 0, 1, 1, 0, 0, 1}));
+  EXPECT_EQ(BandsOf(problem, 1), std::vector<std::uint16_t>(7, 0));
+  problem.view_begin = {};
+  EXPECT_EQ(BandsOf(problem, 3), (std::vector<std::uint16_t>{0, 0, 0, 1, 1, 2, 2}));
+}
+
 }  // namespace
 }  // namespace depthfarm

@@ -141,6 +141,41 @@ TEST(SearchNear, TriesLevelsInItsOrderAndTracksTheEnergy) {
   }
 }
 
+// Enough nodes for each thread to be worth its start.
+TEST(SearchSparsely, FindsTheSameLabelsOnAnyNumberOfThreads) {
+  LabellingProblem problem;
+  problem.num_nodes = 24000;
+  problem.levels = {0, 1, 2, 3, 4};
+  problem.matches_per_node = 1;
+  problem.fixed.assign(problem.num_nodes, 0);
+  problem.view_begin = {0, 12000};
+  Random random(7);
+  std::vector<Level> start;
+  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
+    const NodeIndex other = (node + 12000 + static_cast<NodeIndex>(random.Int(0, 40))) % problem.num_nodes;
+    for (const std::size_t level : {1, 3})
+      problem.matches.Add(level, other, static_cast<std::uint16_t>(random.Int(0, 270)));
+    problem.matches.EndNode();
+    for (const NodeIndex step : {1U, 100U}) {
+      if (node % 12000 + step < 12000) problem.smoothness.push_back({node, node + step, 2 * random.Int(1, 4000)});
+    }
+    start.push_back(static_cast<Level>(random.Int(0, 4)));
+  }
+  std::vector<Level> one = start;
+  const SearchSummary summary = SearchSparsely(problem, {}, one, {});
+  EXPECT_GT(summary.moves, 0);
+  std::vector<Level> one_fully = start;
+  const SearchSummary fully = SearchFully(problem, one_fully, 1, {});
+  for (const int threads : {2, 3, 5}) {
+    std::vector<Level> labels = start;
+    EXPECT_EQ(SearchSparsely(problem, {}, labels, {}, threads).energy, summary.energy);
+    EXPECT_EQ(labels, one) << threads << " threads";
+    labels = start;
+    EXPECT_EQ(SearchFully(problem, labels, 1, {}, threads).energy, fully.energy);
+    EXPECT_EQ(labels, one_fully) << threads << " threads";
+  }
+}
+
 TEST(SearchSparsely, IsCancelledByItsStopToken) {
   Random random(1);
   RandomProblem p = MakeRandomProblem(random, 10, 2, 4, 0);

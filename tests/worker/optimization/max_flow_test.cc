@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "tests/support/cut_oracle.h"
 #include "tests/support/random.h"
 
@@ -141,6 +144,47 @@ TEST(MaxFlow, ResetForgetsTheProblemBefore) {
   EXPECT_EQ(flow.Solve(), 2);
   EXPECT_TRUE(flow.InSourceSide(0));
   EXPECT_TRUE(flow.InSourceSide(1));
+}
+
+// The same graph in parts of consecutive nodes: their flows differ, the canonical cut does not.
+TEST(MaxFlow, PartsOnAnyNumberOfThreadsFindTheSameCut) {
+  MaxFlow whole;
+  MaxFlow in_parts;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const int max_capacity = seed % 3 == 0 ? 2 : (seed % 3 == 1 ? 20 : 1'000'000);
+    const CutProblem problem = RandomCut(random, random.Int(2, 20), random.Int(2, 20), max_capacity);
+    const auto nodes = static_cast<MaxFlow::Node>(problem.from_source.size());
+    whole.Reset(nodes);
+    const auto add_terminals = [&](MaxFlow& flow) {
+      for (MaxFlow::Node i = 0; i < nodes; ++i) flow.AddTerminal(i, problem.from_source[i] - problem.to_sink[i]);
+    };
+    add_terminals(whole);
+    for (const CutProblem::Edge& edge : problem.edges) {
+      whole.AddEdge(static_cast<MaxFlow::Node>(edge.u), static_cast<MaxFlow::Node>(edge.v),
+                    static_cast<std::int32_t>(edge.forth));
+    }
+    const std::int64_t expected = whole.Solve();
+    for (const int parts : {2, 3, 5}) {
+      std::vector<MaxFlow::Node> bounds{0};  // ascending, some parts empty
+      for (int i = 1; i < parts; ++i)
+        bounds.push_back(
+            static_cast<MaxFlow::Node>(random.Int(static_cast<int>(bounds.back()), static_cast<int>(nodes))));
+      bounds.push_back(nodes);
+      in_parts.Reset(bounds, parts);
+      add_terminals(in_parts);
+      for (const CutProblem::Edge& edge : problem.edges) {
+        const auto u = static_cast<MaxFlow::Node>(edge.u);
+        const auto part =
+            static_cast<std::size_t>(std::upper_bound(bounds.begin(), bounds.end(), u) - bounds.begin() - 1);
+        in_parts.AddEdge(part, u, static_cast<MaxFlow::Node>(edge.v), static_cast<std::int32_t>(edge.forth));
+      }
+      ASSERT_EQ(in_parts.Solve(parts), expected) << parts << " parts";
+      for (MaxFlow::Node i = 0; i < nodes; ++i)
+        ASSERT_EQ(in_parts.InSourceSide(i), whole.InSourceSide(i)) << parts << " parts, node " << i;
+    }
+  }
 }
 
 }  // namespace
