@@ -5,13 +5,16 @@
 #include <cstddef>
 #include <optional>
 
+#include "common/base/parallel.h"
+
 namespace depthfarm {
 namespace {
 
-constexpr double kBlurArea = 13;         // pixels that a smoothed one shares its noise with
-constexpr double kMisfitFloor = 0.03;    // of rho: differences below tell nothing of a silhouette
-constexpr double kAgreement = 50;        // weight of another view's depth
-constexpr double kAgreementScale = 0.5;  // pixels of u
+constexpr double kBlurArea = 13;               // pixels that a smoothed one shares its noise with
+constexpr double kMisfitFloor = 0.03;          // of rho: differences below tell nothing of a silhouette
+constexpr double kAgreement = 50;              // weight of another view's depth
+constexpr double kAgreementScale = 0.5;        // pixels of u
+constexpr std::size_t kSegmentsAtOnce = 4096;  // of a thread
 
 // One pixel of each `row_step` x `column_step` (1 or 2) speaks, for all of them: what the others would add is not worth
 // its time. Its column is even where its row is.
@@ -163,37 +166,40 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture,
 
 std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined, const FreePixels& free,
                                       const InverseDepthMap& map, std::span<const PixelPosition> centers,
-                                      std::span<const OtherView> others, bool blurred, const std::stop_token& stop) {
-  std::vector<std::vector<Fit>> fits;
-  for (const OtherView& other : others) {
-    fits.push_back(other.colour.With([&](const auto& picture) {
-      return FitsAgainst(other, picture, own, refined, free, map, centers, blurred, stop);
-    }));
-  }
+                                      std::span<const OtherView> others, bool blurred, const std::stop_token& stop,
+                                      int threads) {
+  std::vector<std::vector<Fit>> fits(others.size());
+  ParallelFor(others.size(), threads, [&](std::size_t i) {
+    fits[i] = others[i].colour.With([&](const auto& picture) {
+      return FitsAgainst(others[i], picture, own, refined, free, map, centers, blurred, stop);
+    });
+  });
   std::vector<NormalEquations> result(centers.size());
-  for (PlaneIndex s = 0; s < centers.size(); ++s) {
-    if (refined.kept[s] != 0) continue;
-    const std::size_t number = free.NumberOf(s);
-    double best = 1;
-    for (const auto& view : fits)
-      if (view[number].pixels > 0) best = std::min(best, view[number].rho / view[number].pixels);
-    for (const auto& view : fits) {
-      const Fit& fit = view[number];
-      if (fit.pixels == 0) continue;
-      const double ratio = (best + kMisfitFloor) / (fit.rho / fit.pixels + kMisfitFloor);
-      for (std::size_t i = 0; i < 6; ++i) result[s].h[i] += ratio * ratio * fit.equations.h[i];
-      for (std::size_t i = 0; i < 3; ++i) result[s].rhs[i] += ratio * ratio * fit.equations.rhs[i];
+  ParallelForPieces(centers.size(), kSegmentsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    for (auto s = static_cast<PlaneIndex>(begin); s < end; ++s) {
+      if (refined.kept[s] != 0) continue;
+      const std::size_t number = free.NumberOf(s);
+      double best = 1;
+      for (const auto& view : fits)
+        if (view[number].pixels > 0) best = std::min(best, view[number].rho / view[number].pixels);
+      for (const auto& view : fits) {
+        const Fit& fit = view[number];
+        if (fit.pixels == 0) continue;
+        const double ratio = (best + kMisfitFloor) / (fit.rho / fit.pixels + kMisfitFloor);
+        for (std::size_t i = 0; i < 6; ++i) result[s].h[i] += ratio * ratio * fit.equations.h[i];
+        for (std::size_t i = 0; i < 3; ++i) result[s].rhs[i] += ratio * ratio * fit.equations.rhs[i];
+      }
     }
-  }
+  });
   return result;
 }
 
 void AddAgreement(const RefinedView& refined, std::span<const PixelPosition> centers, std::span<const OtherView> others,
-                  std::vector<NormalEquations>& equations) {
-  for (const OtherView& other : others) {
+                  std::vector<NormalEquations>& equations, int threads) {
+  const auto add = [&](const OtherView& other, std::size_t begin, std::size_t end) {
     const InverseDepthMap& there = *other.map;
     const Sight sight(*other.pair, there);
-    for (std::size_t s = 0; s < centers.size(); ++s) {
+    for (std::size_t s = begin; s < end; ++s) {
       if (refined.kept[s] != 0) continue;
       const double u = refined.planes[s].At(centers[s].x, centers[s].y);
       const auto seen = sight.Of(centers[s].x, centers[s].y, u);
@@ -212,7 +218,10 @@ void AddAgreement(const RefinedView& refined, std::span<const PixelPosition> cen
       equations[s].h[5] += weight;
       equations[s].rhs[2] += weight * change;
     }
-  }
+  };
+  ParallelForPieces(centers.size(), kSegmentsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    for (const OtherView& other : others) add(other, begin, end);
+  });
 }
 
 }  // namespace depthfarm

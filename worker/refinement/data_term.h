@@ -22,18 +22,18 @@ struct NormalEquations {
 // view, of which every second one speaks for two, every fourth of smoothed pictures for four; an other view that does
 // not fit a segment (a silhouette) counts less there. `free` is FreePixels(refined), `map` is refined.Map(),
 // `centers` has one per segment, and so has the result; that of kept ones is 0. `blurred`:
-// the colours are smoothed, so neighbouring differences are not independent. Ends early with a part of the sum once
-// `stop` is requested.
+// the colours are smoothed, so neighbouring differences are not independent. Threads take one other view each, so that
+// sums are in one order. Ends early with a part of the sum once `stop` is requested.
 [[nodiscard]] std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined,
                                                     const FreePixels& free, const InverseDepthMap& map,
                                                     std::span<const PixelPosition> centers,
                                                     std::span<const OtherView> others, bool blurred,
-                                                    const std::stop_token& stop = {});
+                                                    const std::stop_token& stop = {}, int threads = 1);
 
 // Draws the plane of each segment that is not kept, at its centre, to the depth that the other views have where it is
 // seen, unless that is far off (more than about half a pixel of u) or at a jump there.
 void AddAgreement(const RefinedView& refined, std::span<const PixelPosition> centers, std::span<const OtherView> others,
-                  std::vector<NormalEquations>& equations);
+                  std::vector<NormalEquations>& equations, int threads = 1);
 
 }  // namespace depthfarm
 

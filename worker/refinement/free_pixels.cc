@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/base/parallel.h"
+
 namespace depthfarm {
 namespace {
 
@@ -46,11 +48,15 @@ FreePixels::FreePixels(const RefinedView& view) {
   first_.push_back(runs_.size());
 }
 
-void UpdateMap(const RefinedView& view, const FreePixels& free, InverseDepthMap& map) {
-  for (int y = 0; y < map.height(); ++y) {
-    for (const PixelRun& run : free.Row(y))
-      for (int x = run.left; x < run.right; ++x) map(x, y) = static_cast<float>(view.At(x, y));
-  }
+void UpdateMap(const RefinedView& view, const FreePixels& free, InverseDepthMap& map, int threads) {
+  constexpr std::size_t kRowsAtOnce = 32;
+  const auto update = [&](std::size_t begin, std::size_t end) {
+    for (auto y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+      for (const PixelRun& run : free.Row(y))
+        for (int x = run.left; x < run.right; ++x) map(x, y) = static_cast<float>(view.At(x, y));
+    }
+  };
+  ParallelForPieces(static_cast<std::size_t>(map.height()), kRowsAtOnce, threads, update);
 }
 
 }  // namespace depthfarm

@@ -43,7 +43,7 @@ class FreePixels {
 };
 
 // Sets the free pixels of `map` to what `view` has now; the others have not moved.
-void UpdateMap(const RefinedView& view, const FreePixels& free, InverseDepthMap& map);
+void UpdateMap(const RefinedView& view, const FreePixels& free, InverseDepthMap& map, int threads = 1);
 
 }  // namespace depthfarm
 

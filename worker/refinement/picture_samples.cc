@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "common/base/parallel.h"
+
 namespace depthfarm {
 namespace {
 
@@ -22,16 +24,14 @@ void BlurRow(const Ycbcr* in, int width, FineYcbcr* out) {
     out[x] = {sum(x, &Ycbcr::y), sum(x, &Ycbcr::cb), sum(x, &Ycbcr::cr), sum(x, &Ycbcr::matte)};
 }
 
-}  // namespace
-
-FineImage Blurred(const YcbcrImage& picture) {
+// The rows [top, bottom).
+void BlurRows(const YcbcrImage& picture, int top, int bottom, FineImage& blurred) {
   const int height = picture.height();
-  FineImage blurred(picture.width(), height);
   // The rows around one, each where its number modulo their count says.
   std::array<std::vector<FineYcbcr>, kTaps.size()> rows;
   for (auto& row : rows) row.resize(static_cast<std::size_t>(picture.width()));
-  int next = 0;
-  for (int y = 0; y < height; ++y) {
+  int next = std::max(0, top - 2);
+  for (int y = top; y < bottom; ++y) {
     for (; next <= std::min(y + 2, height - 1); ++next)
       BlurRow(picture.row(next), picture.width(), rows[static_cast<std::size_t>(next) % rows.size()].data());
     std::array<const FineYcbcr*, kTaps.size()> around{};
@@ -49,6 +49,17 @@ FineImage Blurred(const YcbcrImage& picture) {
       out[x] = {sum(&FineYcbcr::y), sum(&FineYcbcr::cb), sum(&FineYcbcr::cr), sum(&FineYcbcr::matte)};
     }
   }
+}
+
+}  // namespace
+
+FineImage Blurred(const YcbcrImage& picture, int threads) {
+  FineImage blurred(picture.width(), picture.height());
+  const auto rows = static_cast<std::size_t>(picture.height());
+  const auto pieces = static_cast<std::size_t>(std::max(threads, 1));
+  ParallelForPieces(rows, (rows + pieces - 1) / pieces, threads, [&](std::size_t begin, std::size_t end) {
+    BlurRows(picture, static_cast<int>(begin), static_cast<int>(end), blurred);
+  });
   return blurred;
 }
 

@@ -32,7 +32,7 @@ inline constexpr int kFineScale = 256;
 }
 
 // Smoothed by a Gaussian of one pixel (1 4 6 4 1, borders repeated).
-[[nodiscard]] FineImage Blurred(const YcbcrImage& picture);
+[[nodiscard]] FineImage Blurred(const YcbcrImage& picture, int threads = 1);
 
 // A Colour in one register: GCC's and Clang's vector types, for they do not find them by themselves in loops over four
 // values. Each value is computed as it would be alone.

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/parallel.h"
 #include "worker/refinement/colour_weight.h"
 #include "worker/refinement/known_costs.h"
 #include "worker/refinement/patch_cost.h"
@@ -30,6 +31,8 @@ constexpr std::size_t kUsualCandidates = 3;  // of a pixel that has a choice; ro
 constexpr std::size_t kUsualCosts = 5;
 constexpr int kSweeps = 3;
 constexpr std::size_t kCostsBetweenStopChecks = 1U << 12;
+constexpr int kBandsOfThread = 4;   // rows differ in what there is to do
+constexpr int kFewestRows = 16;     // of a band
 constexpr double kPriorCost = 0.3;  // of rho, for a plane that the prior speaks against
 constexpr double kPriorScale = 1;   // pixels of u at which it does so in full
 constexpr double kPairCost = 0.05;  // of rho, for neighbours on different surfaces
@@ -39,26 +42,37 @@ constexpr std::array<std::pair<int, int>, 4> kFourNeighbours{{{1, 0}, {-1, 0}, {
 constexpr std::array<std::pair<int, int>, 8> kEightDirections{
     {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
 
-void MarkAround(int x0, int y0, int radius, Grid<std::uint8_t>& marked) {
-  for (int y = std::max(0, y0 - radius); y <= std::min(marked.height() - 1, y0 + radius); ++y)
+// Rows [top, bottom).
+struct Rows {
+  int top = 0;
+  int bottom = 0;
+};
+
+// Of the square around (x0, y0) what is in `rows`.
+void MarkAround(int x0, int y0, int radius, const Rows& rows, Grid<std::uint8_t>& marked) {
+  for (int y = std::max(rows.top, y0 - radius); y <= std::min(rows.bottom - 1, y0 + radius); ++y)
     for (int x = std::max(0, x0 - radius); x <= std::min(marked.width() - 1, x0 + radius); ++x) marked(x, y) = 1;
 }
 
-Grid<std::uint8_t> PixelsNearJumps(const InverseDepthMap& map, double jump) {
-  Grid<std::uint8_t> band(map.width(), map.height());
-  for (int y = 0; y < map.height(); ++y) {
+// Of `rows`.
+void MarkNearJumps(const InverseDepthMap& map, double jump, const Rows& rows, Grid<std::uint8_t>& band) {
+  for (int y = std::max(0, rows.top - kBand); y < std::min(map.height(), rows.bottom + kBand); ++y) {
     for (int x = 0; x < map.width(); ++x) {
       if ((x + 1 < map.width() && std::abs(map(x, y) - map(x + 1, y)) > jump) ||
           (y + 1 < map.height() && std::abs(map(x, y) - map(x, y + 1)) > jump))
-        MarkAround(x, y, kBand, band);
+        MarkAround(x, y, kBand, rows, band);
     }
   }
-  return band;
 }
 
-Grid<std::uint8_t> JumpBand(const InverseDepthMap& map) {
+Grid<std::uint8_t> JumpBand(const InverseDepthMap& map, int threads) {
+  const int num_pieces = std::max(1, std::min(threads, map.height()));
   for (double jump = kJump;; jump *= 2) {
-    Grid<std::uint8_t> band = PixelsNearJumps(map, jump);
+    Grid<std::uint8_t> band(map.width(), map.height());
+    ParallelFor(static_cast<std::size_t>(num_pieces), threads, [&](std::size_t i) {
+      const auto piece = static_cast<int>(i);
+      MarkNearJumps(map, jump, {map.height() * piece / num_pieces, map.height() * (piece + 1) / num_pieces}, band);
+    });
     const auto marked = std::count(band.values().begin(), band.values().end(), 1);
     if (2 * jump > kHighestJump || static_cast<double>(marked) <= kMaxBand * static_cast<double>(band.size()))
       return band;
@@ -69,7 +83,7 @@ Grid<std::uint8_t> JumpBand(const InverseDepthMap& map) {
 struct Candidate {
   double u = 0;  // here
   PlaneIndex plane = 0;
-  KnownCosts::Entry cost = 0;
+  KnownCosts::Entry cost = 0;  // of the band's
 };
 
 // A pixel with more than one candidate; the first is the plane that it has.
@@ -88,6 +102,25 @@ struct Choices {
     return std::span(candidates).subspan(choice.first, choice.count);
   }
 };
+
+// What is found of some rows of the picture.
+struct Band {
+  Rows rows;
+  KnownCosts known;  // of all passes: planes and maps stay, only who has which plane changes; y from the band's top
+  Choices choices;   // of a pass
+};
+
+// As many as keep the threads busy.
+std::vector<Band> RowBands(int width, int height, int threads) {
+  const int most = threads > 1 ? std::max(1, height / kFewestRows) : 1;
+  const int count = std::min(threads * kBandsOfThread, most);
+  std::vector<Band> bands;
+  for (int i = 0; i < count; ++i) {
+    const Rows rows{height * i / count, height * (i + 1) / count};
+    bands.push_back({.rows = rows, .known = KnownCosts(width, rows.bottom - rows.top), .choices = {}});
+  }
+  return bands;
+}
 
 // Finds the planes around pixels.
 class Surroundings {
@@ -134,9 +167,10 @@ class Surroundings {
   std::array<std::ptrdiff_t, kNumWays> ways_{};  // to the pixels around, in the order in which they are asked
 };
 
-// Sets the costs of the entries from `first` on. Plane by plane and row by row, as PatchCost asks for.
-void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, KnownCosts& known,
-               const std::stop_token& stop) {
+// Sets the costs of the band's entries from `first` on. Plane by plane and row by row, as PatchCost asks for.
+void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, Band& band, const std::stop_token& stop) {
+  KnownCosts& known = band.known;
+  if (first == known.size()) return;
   // Entries are in the order of rows: by the numbers of their planes they stay so.
   std::vector<std::uint32_t> next(view.planes.size() + 1);
   for (std::size_t i = first; i < known.size(); ++i) ++next[known[static_cast<KnownCosts::Entry>(i)].plane + 1];
@@ -149,20 +183,20 @@ void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, Know
   for (std::size_t i = 0; i < by_plane.size(); ++i) {
     if (i % kCostsBetweenStopChecks == 0 && stop.stop_requested()) return;
     const KnownCosts::Cost& of = known[by_plane[i]];
-    known.Set(by_plane[i], cost.At(of.x, of.y, of.plane, view.planes[of.plane]));
+    known.Set(by_plane[i], cost.At(of.x, band.rows.top + of.y, of.plane, view.planes[of.plane]));
   }
 }
 
 // What decides between the planes of a pixel.
 class Chooser {
  public:
-  Chooser(const YcbcrImage& own, const Grid<SegmentIndex>& segments, const PriorField* prior, const KnownCosts& known)
-      : own_(own), segments_(segments), prior_(prior), known_(known) {}
+  Chooser(const YcbcrImage& own, const Grid<SegmentIndex>& segments, const PriorField* prior)
+      : own_(own), segments_(segments), prior_(prior) {}
 
-  [[nodiscard]] PlaneIndex Best(const RefinedView& view, const Choice& choice,
-                                std::span<const Candidate> candidates) const {
+  [[nodiscard]] PlaneIndex Best(const RefinedView& view, const Choice& choice, std::span<const Candidate> candidates,
+                                const KnownCosts& known) const {
     std::array<double, kMaxCandidates> costs{};
-    for (std::size_t i = 0; i < candidates.size(); ++i) costs[i] = known_[candidates[i].cost].value;
+    for (std::size_t i = 0; i < candidates.size(); ++i) costs[i] = known[candidates[i].cost].value;
     if (prior_ != nullptr) AddPrior(choice, candidates, costs);
     for (const auto& [dx, dy] : kFourNeighbours) {
       const int x = choice.x + dx;
@@ -193,7 +227,6 @@ class Chooser {
   const YcbcrImage& own_;
   const Grid<SegmentIndex>& segments_;
   const PriorField* prior_;
-  const KnownCosts& known_;
 };
 
 // The first marked pixel of a row from x on; the width if there is none. Late passes have few.
@@ -203,14 +236,15 @@ int NextMarked(const Grid<std::uint8_t>& marked, int x, int y) {
   return found == nullptr ? marked.width() : static_cast<int>(static_cast<const std::uint8_t*>(found) - row);
 }
 
-// Finds the choices at the marked pixels that have one and may move.
+// Finds the band's choices at the marked pixels that have one and may move.
 void FindChoices(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& segments, const RefinedView& view,
-                 KnownCosts& known, Choices& choices) {
+                 Band& band) {
+  Choices& choices = band.choices;
   choices.all.clear();
   choices.candidates.clear();
   const Surroundings surroundings(view);
   std::array<Candidate, kMaxCandidates> candidates{};
-  for (int y = 0; y < marked.height(); ++y) {
+  for (int y = band.rows.top; y < band.rows.bottom; ++y) {
     for (int x = NextMarked(marked, 0, y); x < marked.width(); x = NextMarked(marked, x + 1, y)) {
       if (view.kept[segments(x, y)] != 0) continue;
       const std::size_t count = surroundings.CandidatesAt(x, y, candidates);
@@ -220,7 +254,7 @@ void FindChoices(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& seg
                              .first = static_cast<std::uint32_t>(choices.candidates.size()),
                              .count = static_cast<std::uint32_t>(count)});
       for (Candidate& candidate : std::span(candidates).first(count)) {
-        candidate.cost = known.EntryOf(x, y, candidate.plane);
+        candidate.cost = band.known.EntryOf(x, y - band.rows.top, candidate.plane);
         choices.candidates.push_back(candidate);
       }
     }
@@ -229,27 +263,31 @@ void FindChoices(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& seg
 
 // Chooses in a few sweeps over the pixels. `stale` is 1 at each of them: from the second sweep on only those are asked
 // again of which a neighbour has changed.
-void Sweep(const Chooser& chooser, const Choices& choices, Grid<std::uint8_t>& stale, RefinedView& view) {
+void Sweep(const Chooser& chooser, std::span<const Band> bands, Grid<std::uint8_t>& stale, RefinedView& view) {
+  const auto choose = [&](const Band& band, const Choice& choice) {
+    if (stale(choice.x, choice.y) == 0) return;
+    stale(choice.x, choice.y) = 0;
+    PlaneIndex& now = view.plane_of_pixel(choice.x, choice.y);
+    const PlaneIndex best = chooser.Best(view, choice, band.choices.Of(choice), band.known);
+    if (best == now) return;
+    now = best;
+    for (const auto& [dx, dy] : kFourNeighbours)
+      if (stale.Contains(choice.x + dx, choice.y + dy)) stale(choice.x + dx, choice.y + dy) = 1;
+  };
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    for (const Choice& choice : choices.all) {
-      if (stale(choice.x, choice.y) == 0) continue;
-      stale(choice.x, choice.y) = 0;
-      PlaneIndex& now = view.plane_of_pixel(choice.x, choice.y);
-      const PlaneIndex best = chooser.Best(view, choice, choices.Of(choice));
-      if (best == now) continue;
-      now = best;
-      for (const auto& [dx, dy] : kFourNeighbours)
-        if (stale.Contains(choice.x + dx, choice.y + dy)) stale(choice.x + dx, choice.y + dy) = 1;
-    }
+    for (const Band& band : bands)
+      for (const Choice& choice : band.choices.all) choose(band, choice);
   }
 }
 
 // Marks the pixels that may have got another candidate: those near one that has another plane than it had.
-void MarkNearChanges(const Choices& choices, const RefinedView& view, Grid<std::uint8_t>& near) {
+void MarkNearChanges(std::span<const Band> bands, const RefinedView& view, Grid<std::uint8_t>& near) {
   std::fill(near.values().begin(), near.values().end(), std::uint8_t{0});
-  for (const Choice& choice : choices.all) {
-    if (view.plane_of_pixel(choice.x, choice.y) != choices.candidates[choice.first].plane)
-      MarkAround(choice.x, choice.y, kReach, near);
+  for (const Band& band : bands) {
+    for (const Choice& choice : band.choices.all) {
+      if (view.plane_of_pixel(choice.x, choice.y) != band.choices.candidates[choice.first].plane)
+        MarkAround(choice.x, choice.y, kReach, {0, near.height()}, near);
+    }
   }
 }
 
@@ -257,26 +295,35 @@ void MarkNearChanges(const Choices& choices, const RefinedView& view, Grid<std::
 
 void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, const InverseDepthMap& map,
                   std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
-                  const std::stop_token& stop) {
-  PatchCost cost(own, others);
-  KnownCosts known(own.width(), own.height());  // of all passes: planes and maps stay, only who has which plane changes
-  const Chooser chooser(own, segments, prior, known);
-  Grid<std::uint8_t> open = JumpBand(map);
+                  const std::stop_token& stop, int threads) {
+  const Chooser chooser(own, segments, prior);
+  Grid<std::uint8_t> open = JumpBand(map, threads);
+  std::vector<Band> bands = RowBands(own.width(), own.height(), threads);
+  const auto for_bands = [&](const auto& each) {
+    ParallelFor(bands.size(), threads, [&](std::size_t i) { each(bands[i]); });
+  };
   // Reserved for what is usual: where all of a picture is near jumps, lists grow as they must.
-  const auto marked = static_cast<std::size_t>(std::count(open.values().begin(), open.values().end(), 1));
-  const std::size_t band = std::min(marked, open.size() / 4);
-  Choices choices;
-  choices.all.reserve(band);
-  choices.candidates.reserve(kUsualCandidates * band);
-  known.Reserve(kUsualCosts * band);
+  for_bands([&](Band& band) {
+    const std::size_t pixels =
+        static_cast<std::size_t>(band.rows.bottom - band.rows.top) * static_cast<std::size_t>(own.width());
+    const std::uint8_t* const first = open.row(band.rows.top);
+    const auto marked = static_cast<std::size_t>(std::count(first, first + pixels, 1));
+    const std::size_t usual = std::min(marked, bands.size() > 1 ? pixels : pixels / 4);
+    band.choices.all.reserve(usual);
+    band.choices.candidates.reserve(kUsualCandidates * usual);
+    band.known.Reserve(kUsualCosts * usual);
+  });
   for (int pass = 0; pass < kMostPasses && !stop.stop_requested(); ++pass) {
-    const std::size_t known_before = known.size();
-    FindChoices(open, segments, view, known, choices);
-    if (choices.all.empty()) return;
-    FillCosts(view, known_before, cost, known, stop);
+    for_bands([&](Band& band) {
+      const std::size_t known_before = band.known.size();
+      FindChoices(open, segments, view, band);
+      PatchCost cost(own, others);
+      FillCosts(view, known_before, cost, band, stop);
+    });
     if (stop.stop_requested()) return;
-    Sweep(chooser, choices, open, view);
-    MarkNearChanges(choices, view, open);
+    if (std::all_of(bands.begin(), bands.end(), [](const Band& band) { return band.choices.all.empty(); })) return;
+    Sweep(chooser, bands, open, view);
+    MarkNearChanges(bands, view, open);
   }
 }
 

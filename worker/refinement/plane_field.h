@@ -33,7 +33,7 @@ struct RefinedView {
 
   [[nodiscard]] std::size_t num_segments() const { return kept.size(); }
   [[nodiscard]] double At(int x, int y) const { return planes[plane_of_pixel(x, y)].At(x, y); }
-  [[nodiscard]] InverseDepthMap Map() const;
+  [[nodiscard]] InverseDepthMap Map(int threads = 1) const;
   // True for the pixels whose plane the refinement may still move: a plane of a segment that is not kept.
   [[nodiscard]] bool IsFree(PlaneIndex plane) const { return plane < kept.size() && kept[plane] == 0; }
   bool operator==(const RefinedView&) const = default;

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <vector>
 
+#include "common/base/parallel.h"
 #include "common/geometry/symmetric_solve.h"
 
 namespace depthfarm {
@@ -20,6 +21,7 @@ constexpr double kColourScale = 10;     // grey levels
 constexpr double kMaxStep = 1;          // pixels of u in a round
 constexpr double kRidge = 1e-6;         // a segment without data or links stays where it is
 constexpr int kSweeps = 12;
+constexpr std::size_t kSegmentsAtOnce = 4096;  // of a thread
 
 // (a, b, u at the centre).
 using Local = std::array<double, 3>;
@@ -151,7 +153,8 @@ Local RightSide(const Equations& equations, std::span<const Link> links, std::sp
 
 }  // namespace
 
-void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, double gap_scale, RefinedView& view) {
+void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, double gap_scale, RefinedView& view,
+                 int threads) {
   const std::size_t n = view.num_segments();
   std::vector<SlantedPlane>& planes = view.planes;
   std::vector<Local> start(n);
@@ -159,10 +162,11 @@ void SolvePlanes(const SegmentMap& map, std::span<const NormalEquations> data, d
     start[s] = {planes[s].a, planes[s].b, planes[s].At(map.centers[s].x, map.centers[s].y)};
   const FreeSegments free(view.kept);
   const Links links = LinksOf(map, free, start, gap_scale);
-  std::vector<Equations> equations;
-  equations.reserve(free.all.size());
-  for (std::size_t i = 0; i < free.all.size(); ++i)
-    equations.push_back(EquationsOf(data[free.all[i]], start[free.all[i]], links.Of(i)));
+  std::vector<Equations> equations(free.all.size());
+  ParallelForPieces(free.all.size(), kSegmentsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      equations[i] = EquationsOf(data[free.all[i]], start[free.all[i]], links.Of(i));
+  });
   std::vector<Local> now = start;
   const auto update = [&](std::size_t i) {
     const SymmetricFactor& factor = equations[i].factor;

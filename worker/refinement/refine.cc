@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/parallel.h"
 #include "worker/refinement/data_term.h"
 #include "worker/refinement/free_pixels.h"
 #include "worker/refinement/pixel_choice.h"
@@ -82,7 +83,7 @@ std::optional<PriorField> PriorOf(const ResolvedJob& job, std::size_t view, cons
 // `smoothed`: InOrder.
 void DecideRegions(const FrameAnalysis& analysis, const ViewMemory::Smoothed& smoothed, const PictureColours& own,
                    std::span<const OtherView> others, const PriorField* prior, RefinedView& refined,
-                   const std::stop_token& stop) {
+                   const std::stop_token& stop, int threads) {
   const SegmentMap& segments = analysis[0]->segments;
   const std::vector<std::uint8_t>& plain = smoothed[0]->plain;
   const std::vector<PlainRegion> regions = FindPlainRegions(segments, plain, refined);
@@ -91,12 +92,13 @@ void DecideRegions(const FrameAnalysis& analysis, const ViewMemory::Smoothed& sm
     for (const SegmentIndex s : region.segments) decided[s] = 1;
   if (prior != nullptr) TakePrior(own, segments, *prior, decided, others, refined);
   if (regions.empty()) return;
-  std::vector<InverseDepthMap> occluders;
-  for (std::size_t i = 0; i < others.size(); ++i)
-    occluders.push_back(Occluders(*others[i].map, analysis[i + 1]->segments.labels, smoothed[i + 1]->plain));
+  std::vector<InverseDepthMap> occluders(others.size());
+  ParallelFor(others.size(), threads, [&](std::size_t i) {
+    occluders[i] = Occluders(*others[i].map, analysis[i + 1]->segments.labels, smoothed[i + 1]->plain);
+  });
   std::vector<OtherView> in_front(others.begin(), others.end());
   for (std::size_t i = 0; i < in_front.size(); ++i) in_front[i].map = &occluders[i];
-  DecidePlainRegions(own, segments, regions, in_front, prior, refined, stop);
+  DecidePlainRegions(own, segments, regions, in_front, prior, refined, stop, threads);
 }
 
 }  // namespace
@@ -176,7 +178,8 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
 }
 
 Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
-                               const FrameRefinement& before, ViewMemory& memory, const std::stop_token& stop) {
+                               const FrameRefinement& before, ViewMemory& memory, const std::stop_token& stop,
+                               int threads) {
   const int rounds = job.params.refine_rounds;
   if (round < 1 || round > rounds) {
     return InvalidArgument("refinement round " + std::to_string(round) + " of " + std::to_string(rounds) +
@@ -194,22 +197,22 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const FrameAnalysis analyses = InOrder(analysis, view, geometry);
   ViewMemory::Smoothed smoothed;
   if (blur || round == kPlainRound || has_prior) {
-    smoothed = memory.SmoothedOf(blur || round == kPlainRound ? analyses : FrameAnalysis{analysis[v]});
+    smoothed = memory.SmoothedOf(blur || round == kPlainRound ? analyses : FrameAnalysis{analysis[v]}, threads);
   } else {
     memory.ForgetSmoothed();
   }
-  const ViewMemory::Maps maps = memory.MapsOf(InOrder(before, view, geometry));
+  const ViewMemory::Maps maps = memory.MapsOf(InOrder(before, view, geometry), threads);
   const auto colours = [&](std::size_t i) -> PictureColours {
     if (blur) return smoothed[i]->colours;
     return analyses[i]->picture;
   };
   const PictureColours own = colours(0);
-  std::vector<OtherView> others;
-  for (std::size_t i = 1; i < analyses.size(); ++i) {
-    OtherView other{.pair = &geometry.pairs[i - 1], .colour = colours(i), .map = maps[i].get()};
+  std::vector<OtherView> others(geometry.pairs.size());
+  ParallelFor(others.size(), threads, [&](std::size_t i) {
+    OtherView other{.pair = &geometry.pairs[i], .colour = colours(i + 1), .map = maps[i + 1].get()};
     other.sigma = MeasureNoise(own, *maps[0], other);
-    others.push_back(other);
-  }
+    others[i] = other;
+  });
   if (stop.stop_requested()) return Cancelled();
 
   RefinedView refined = *before[v];
@@ -220,20 +223,20 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const FreePixels free(refined);
   InverseDepthMap map = *maps[0];
   if (round == kPlainRound) {
-    DecideRegions(analyses, smoothed, own, others, prior_or_null, refined, stop);
+    DecideRegions(analyses, smoothed, own, others, prior_or_null, refined, stop, threads);
     if (stop.stop_requested()) return Cancelled();
-    UpdateMap(refined, free, map);
+    UpdateMap(refined, free, map, threads);
   }
-  std::vector<NormalEquations> data = DataTerm(own, refined, free, map, segments.centers, others, blur, stop);
+  std::vector<NormalEquations> data = DataTerm(own, refined, free, map, segments.centers, others, blur, stop, threads);
   if (prior_or_null != nullptr) AddPrior(*prior_or_null, refined, segments.centers, data);
-  if (agree) AddAgreement(*before[v], segments.centers, others, data);
+  if (agree) AddAgreement(*before[v], segments.centers, others, data, threads);
   if (stop.stop_requested()) return Cancelled();
   const double progress = rounds > 1 ? static_cast<double>(round - 1) / (rounds - 1) : 1;
-  SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined);
+  SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined, threads);
   if (stop.stop_requested()) return Cancelled();
   if (agree) {
-    UpdateMap(refined, free, map);
-    ChoosePlanes(analysis[v]->picture, segments.labels, map, others, prior_or_null, refined, stop);
+    UpdateMap(refined, free, map, threads);
+    ChoosePlanes(analysis[v]->picture, segments.labels, map, others, prior_or_null, refined, stop, threads);
   }
   if (stop.stop_requested()) return Cancelled();
   return refined;

@@ -40,10 +40,10 @@ struct RefinementReferences {
 // ones and also with agreement with the depth of those views and a choice of plane for each pixel at depth jumps.
 // `analysis` and `before` (each view after the round before) are read for the view and those it is compared with; the
 // others may be null. So all views of a round can be refined at once, in any order; one after the other with the same
-// `memory` saves time. Errors: as StartRefinement; kCancelled.
+// `memory` saves time. The result is the same on any number of threads. Errors: as StartRefinement; kCancelled.
 [[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
                                              const FrameRefinement& before, ViewMemory& memory,
-                                             const std::stop_token& stop = {});
+                                             const std::stop_token& stop = {}, int threads = 1);
 [[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
                                              const FrameRefinement& before, const std::stop_token& stop = {});
 

@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "common/base/parallel.h"
 #include "common/geometry/symmetric_solve.h"
 
 namespace depthfarm {
@@ -285,7 +287,7 @@ class Decision {
 
 void DecidePlainRegions(const PictureColours& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
                         std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
-                        const std::stop_token& stop) {
+                        const std::stop_token& stop, int threads) {
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> region_of(segments.centers.size(), kNone);
   for (std::size_t r = 0; r < regions.size(); ++r)
@@ -298,14 +300,21 @@ void DecidePlainRegions(const PictureColours& own, const SegmentMap& segments, s
     }
   }
   const RefinedView before = view;  // so that the order of regions changes nothing
-  for (std::size_t r = 0; r < regions.size() && !stop.stop_requested(); ++r) {
+  // Regions share no segment, so threads decide each by itself; the largest, which take longest, first.
+  std::vector<std::size_t> by_size(regions.size());
+  std::iota(by_size.begin(), by_size.end(), std::size_t{0});
+  std::stable_sort(by_size.begin(), by_size.end(),
+                   [&](std::size_t a, std::size_t b) { return pixels[a].size() > pixels[b].size(); });
+  ParallelFor(regions.size(), threads, [&](std::size_t i) {
+    if (stop.stop_requested()) return;
+    const std::size_t r = by_size[i];
     const auto choice = Decision(own, segments, regions[r], others, prior, before).Make(std::move(pixels[r]));
-    if (!choice) continue;
+    if (!choice) return;
     for (const SegmentIndex s : regions[r].segments) {
       if (!choice->prior) view.planes[s] = choice->plane;
       if (choice->prior && prior->Says(s)) view.planes[s] = prior->planes[s];
     }
-  }
+  });
 }
 
 }  // namespace depthfarm

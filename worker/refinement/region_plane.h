@@ -21,7 +21,7 @@ namespace depthfarm {
 // regions not decided, once `stop` is requested.
 void DecidePlainRegions(const PictureColours& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
                         std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
-                        const std::stop_token& stop = {});
+                        const std::stop_token& stop = {}, int threads = 1);
 
 }  // namespace depthfarm
 

@@ -4,13 +4,14 @@
 
 namespace depthfarm {
 
-ViewMemory::Maps ViewMemory::MapsOf(std::span<const std::shared_ptr<const RefinedView>> views) {
-  return maps_.Of(views, [](const RefinedView& view) { return view.Map(); });
+ViewMemory::Maps ViewMemory::MapsOf(std::span<const std::shared_ptr<const RefinedView>> views, int threads) {
+  return maps_.Of(views, [threads](const RefinedView& view) { return view.Map(threads); });
 }
 
-ViewMemory::Smoothed ViewMemory::SmoothedOf(std::span<const std::shared_ptr<const ViewAnalysis>> analyses) {
-  return smoothed_.Of(analyses, [](const ViewAnalysis& analysis) {
-    SmoothedPicture smoothed{.colours = Blurred(analysis.picture), .plain = {}};
+ViewMemory::Smoothed ViewMemory::SmoothedOf(std::span<const std::shared_ptr<const ViewAnalysis>> analyses,
+                                            int threads) {
+  return smoothed_.Of(analyses, [threads](const ViewAnalysis& analysis) {
+    SmoothedPicture smoothed{.colours = Blurred(analysis.picture, threads), .plain = {}};
     smoothed.plain = PlainSegments(smoothed.colours, analysis.segments);
     return smoothed;
   });

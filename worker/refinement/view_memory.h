@@ -64,8 +64,8 @@ class ViewMemory {
   using Smoothed = std::vector<std::shared_ptr<const SmoothedPicture>>;
 
   // RefinedView::Map of each.
-  [[nodiscard]] Maps MapsOf(std::span<const std::shared_ptr<const RefinedView>> views);
-  [[nodiscard]] Smoothed SmoothedOf(std::span<const std::shared_ptr<const ViewAnalysis>> analyses);
+  [[nodiscard]] Maps MapsOf(std::span<const std::shared_ptr<const RefinedView>> views, int threads = 1);
+  [[nodiscard]] Smoothed SmoothedOf(std::span<const std::shared_ptr<const ViewAnalysis>> analyses, int threads = 1);
   void ForgetSmoothed() { smoothed_.Clear(); }
   // For tasks of another kind, which need the room.
   void Clear();

@@ -135,6 +135,23 @@ TEST(RefineView, OneMemoryForAllViewsAndRoundsChangesNothing) {
   }
 }
 
+TEST(RefineView, IsTheSameOnAnyNumberOfThreads) {
+  const Scene scene;
+  for (const int threads : {2, 3, 5}) {
+    FrameRefinement before = scene.Start();
+    for (int round = 1; round <= scene.job.params.refine_rounds; ++round) {
+      const FrameRefinement expected = scene.Round(scene.analysis, before, round);
+      ViewMemory memory;
+      for (int view = 0; view < scene.job.num_views(); ++view) {
+        EXPECT_EQ(RefineView(scene.job, view, round, scene.analysis, before, memory, {}, threads).value(),
+                  *expected[static_cast<std::size_t>(view)])
+            << "view " << view << ", round " << round << ", " << threads << " threads";
+      }
+      before = expected;
+    }
+  }
+}
+
 TEST(RefineView, AStillPFrameHasTheDepthOfTheIFrameToTheBit) {
   const Scene scene;
   const FrameRefinement i_frame = scene.Refined();
