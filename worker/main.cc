@@ -1,3 +1,4 @@
+#include <malloc.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <unistd.h>
@@ -87,6 +88,9 @@ int Fail(const Status& status, int code) {
 }
 
 int RunWorker(WorkerOptions options) {
+  // Threads that compute come and go: each would keep a heap of its own with all that was freed there. They allocate
+  // rarely enough to share one.
+  mallopt(M_ARENA_MAX, 1);
   InstallSignalHandlers();
   TemporaryCache cache;
   if (options.cache_dir.empty()) {
@@ -137,7 +141,7 @@ int main(int argc, char** argv) {
   app.add_option("--memory", options.memory_bytes, "bound of the decoded artifacts kept in memory, e.g. 4GB")
       ->transform(CLI::AsSizeValue(false))
       ->default_str("2GB");
-  app.add_option("--slots", options.slots, "tasks computed at a time, one thread each; they share cache and memory")
+  app.add_option("--slots", options.slots, "tasks computed at a time; they share cache and memory")
       ->check(CLI::Range(1, kMaxWorkerSlots))
       ->capture_default_str();
   app.add_option("--ahead", options.ahead, "tasks taken besides, whose inputs are fetched meanwhile")
@@ -150,6 +154,10 @@ int main(int argc, char** argv) {
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--tags", options.tags, "what this worker has, for jobs submitted with --require, e.g. fast,room2")
       ->delimiter(',');
+  app.add_option("--threads", options.threads, "threads that compute a task; results are the same for any number")
+      ->type_name("N")
+      ->check(CLI::Range(1, kMostThreads))
+      ->capture_default_str();
   app.add_option("--name", options.name, "name on the farm; default: host:process:random");
   app.add_option("--artifact-listen", options.artifact_listen,
                  "endpoint for other workers; default: beside the coordinator's ipc socket, else a free tcp port");

@@ -21,6 +21,7 @@ struct JobArguments {
 
 struct LocalFarmArguments {
   int workers = 0;             // 0: one per core
+  int threads = 1;             // of each worker
   std::string worker_log_dir;  // empty: the private temporary folder
   std::string log_level = "info";
 };
@@ -46,6 +47,7 @@ struct BenchArguments {
   bool allow_outside = false;
   EstimationArguments estimation;  // its preset is a list with commas
   int workers = 1;
+  int threads = 1;
   int repeats = 1;
   bool json = false;
 };

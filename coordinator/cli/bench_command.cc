@@ -95,7 +95,9 @@ Result<int> AddRun(const BenchArguments& arguments, const PresetRequest& asked, 
                                                                           .allow_outside = arguments.allow_outside,
                                                                           .estimation = asked.estimation}));
   std::cerr << asked.name << ", run " << preset.runs.size() + 1 << " of " << arguments.repeats << ": ";
-  DEPTHFARM_ASSIGN_OR_RETURN(LocalJob job, RunLocally(request, {.workers = arguments.workers, .worker_log_dir = ""}));
+  DEPTHFARM_ASSIGN_OR_RETURN(
+      LocalJob job,
+      RunLocally(request, {.workers = arguments.workers, .threads = arguments.threads, .worker_log_dir = ""}));
   if (job.status.state() != v1::JOB_STATE_DONE) {
     std::cerr << "depthfarm: preset " << asked.name << ": " << job.status.error().message() << "\n" << job.log_tails;
     return ExitCodeOfJob(job.status);

@@ -81,6 +81,13 @@ void AddJobId(CLI::App& app, std::uint64_t& job) {
   app.add_option_function<std::string>("JOB", parse, "Number that submit printed")->required()->type_name("");
 }
 
+CLI::Option* AddThreads(CLI::App& app, int& threads) {
+  return app.add_option("--threads", threads, "Threads of each worker: a frame ends sooner, its depth is the same")
+      ->type_name("T")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+}
+
 void DefineDemo(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<DemoArguments>();
   app.add_option("-o,--output", arguments.output_dir, "Output folder")->type_name("DIR")->capture_default_str();
@@ -98,6 +105,7 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->group(group);
+  AddThreads(app, arguments.farm.threads)->group(group);
   app.add_option("--worker-log-dir", arguments.farm.worker_log_dir,
                  "Keep the logs of coordinator and workers in this folder; default: a temporary one, removed")
       ->type_name("DIR")
@@ -110,7 +118,8 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
   AddJsonFlag(app, arguments.json);
   app.footer(
       "Starts a coordinator and workers on this machine, waits for the job, writes DIR/run.json (times, memory) and\n"
-      "stops everything. Ctrl-C cancels and cleans up. The depth is the same bytes whatever --workers is.\n"
+      "stops everything. Ctrl-C cancels and cleans up. The depth is the same bytes whatever --workers and --threads "
+      "are.\n"
       "Examples:\n"
       "  depthfarm run ballet/cameras.json -o out\n"
       "  depthfarm run array.json -o out --workers 8 --frames 0:50 --levels 128\n"
@@ -148,6 +157,7 @@ void DefineBench(CLI::App& app, CommandArguments& storage) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
+  AddThreads(app, arguments.threads);
   app.add_option("--repeat", arguments.repeats, "Jobs of each preset, in turn; figures are medians")
       ->type_name("R")
       ->check(CLI::Range(1, 1000))

@@ -6,6 +6,7 @@
 #include <deque>
 #include <fstream>
 #include <iostream>
+#include <string>
 #include <utility>
 
 namespace depthfarm {
@@ -66,7 +67,8 @@ Status LocalFarm::StartProcesses() {
 Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
   return ChildProcess::Start(worker_program_,
                              {"--coordinator", endpoint_, "--cache-dir", (folder_.path() / (name + "-cache")).string(),
-                              "--exit-with-parent", "--give-up-seconds", "30", "--log-level", options_.log_level},
+                              "--threads", std::to_string(options_.threads), "--exit-with-parent", "--give-up-seconds",
+                              "30", "--log-level", options_.log_level},
                              LogOf(name));
 }
 

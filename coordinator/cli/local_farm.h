@@ -14,6 +14,7 @@ namespace depthfarm {
 
 struct LocalFarmOptions {
   int workers = 1;
+  int threads = 1;                // of each worker
   std::filesystem::path log_dir;  // empty: in the private folder, gone with it
   std::string log_level = "info";
   int max_respawns = 5;  // of workers, in all

@@ -84,8 +84,10 @@ Result<LocalJob> RunLocally(const JobRequest& request, const LocalFarmArguments&
   LocalJob result;
   result.started = UtcNow();
   result.workers = WorkerCount(arguments.workers);
+  result.threads = arguments.threads;
   std::cerr << DescribeJob(request.resolved) << "; " << result.workers << " workers\n";
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<LocalFarm> farm, LocalFarm::Start({.workers = result.workers,
+                                                                                .threads = arguments.threads,
                                                                                 .log_dir = arguments.worker_log_dir,
                                                                                 .log_level = arguments.log_level}));
   Result<v1::JobStatus> job = RunOn(*farm, request);

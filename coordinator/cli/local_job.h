@@ -16,6 +16,7 @@ struct LocalJob {
   std::string started;      // UTC, ISO 8601
   double wall_seconds = 0;  // with starting and stopping the farm
   int workers = 0;
+  int threads = 1;  // of each worker
   int respawns = 0;
   std::string log_tails;  // where it failed for another reason than its input: the ends of the farm's logs
 };

@@ -78,6 +78,12 @@ TEST_F(Determinism, ConfidenceIsTheSameBytesTooAndChangesNoDepth) {
   EXPECT_THAT(Differences(one, plain), IsEmpty());
 }
 
+TEST_F(Determinism, AnyNumberOfThreadsGivesTheSameBytes) {
+  const auto one = Run(1, {"--threads", "1"});
+  EXPECT_THAT(Differences(one, Run(1, {"--threads", "3"})), IsEmpty());
+  EXPECT_THAT(Differences(one, Run(2, {"--threads", "2"})), IsEmpty());
+}
+
 TEST_F(Determinism, OneBlockIsOneBlockInEitherPartition) {
   auto blocks = Run(2, {"--level-blocks", "1", "--partition", "blocks"});
   auto interleaved = Run(2, {"--level-blocks", "1", "--partition", "interleaved"});

@@ -6,11 +6,13 @@
 namespace depthfarm {
 
 struct ResourceUsage {
-  double cpu_seconds = 0;               // user + system of the calling thread
+  double cpu_seconds = 0;               // user + system
   std::uint64_t peak_memory_bytes = 0;  // largest resident set of the process so far
 };
 
 [[nodiscard]] ResourceUsage UsageOfThread();
+// Of all threads of the process.
+[[nodiscard]] ResourceUsage UsageOfProcess();
 
 }  // namespace depthfarm
 

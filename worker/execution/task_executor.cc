@@ -2,12 +2,14 @@
 
 #include <chrono>
 #include <exception>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "common/base/parallel.h"
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
 #include "common/media/colour_map.h"
@@ -121,7 +123,8 @@ Result<RefinedView> StartOf(const TaskSpec& spec, const ResolvedJob& job, const 
 }  // namespace
 
 TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
-  const ResourceUsage before = UsageOfThread();
+  const auto usage = [this] { return threads_ > 1 ? UsageOfProcess() : UsageOfThread(); };
+  const ResourceUsage before = usage();
   const auto start = std::chrono::steady_clock::now();
   TaskOutcome outcome;
   TaskInputs inputs(store_, cache_, fetcher_, stop);
@@ -135,7 +138,7 @@ TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config,
   }
   if (stop.stop_requested() && !outcome.status.ok()) outcome.status = Cancelled();
   outcome.missing_inputs = inputs.missing();
-  const ResourceUsage after = UsageOfThread();
+  const ResourceUsage after = usage();
   outcome.stats.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   outcome.stats.cpu_seconds = after.cpu_seconds - before.cpu_seconds;
   outcome.stats.peak_memory_bytes = after.peak_memory_bytes;
@@ -325,7 +328,7 @@ Status TaskExecutor::Estimate(const Task& task, TaskOutcome& outcome) {
   EstimationStats stats;
   Result<LabelField> field =
       EstimateBlock(task.job(), analysis, references.has_value() ? &*references : nullptr, num_blocks,
-                    task.spec.id.index, task.stop, &stats, floors_.Of(task.job(), analysis));
+                    task.spec.id.index, task.stop, &stats, floors_.Of(task.job(), analysis), threads_);
   if (!field.ok()) return field.status().WithContext(task.FrameName());
   Count(stats, outcome.stats);
   return Store(task, std::move(*field), outcome);
@@ -357,10 +360,10 @@ Status TaskExecutor::Refine(const Task& task, TaskOutcome& outcome) {
   }
   if (Reuse<RefinedView>(task, outcome)) return {};
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
-  Result<RefinedView> refined = round == 0
-                                    ? StartOf(task.spec, job, task.inputs)
-                                    : RefineView(job, view, round, task.inputs.ListedAnalyses(InputRole::kAnalysis),
-                                                 task.inputs.ListedRefined(InputRole::kRefined), refining_, task.stop);
+  Result<RefinedView> refined =
+      round == 0 ? StartOf(task.spec, job, task.inputs)
+                 : RefineView(job, view, round, task.inputs.ListedAnalyses(InputRole::kAnalysis),
+                              task.inputs.ListedRefined(InputRole::kRefined), refining_, task.stop, threads_);
   if (!refined.ok()) return refined.status().WithContext(task.FrameName());
   return Store(task, std::move(*refined), outcome);
 }
@@ -380,48 +383,57 @@ Status TaskExecutor::Assess(const Task& task, TaskOutcome& outcome) {
   return Store(task, std::move(*map), outcome);
 }
 
-Status TaskExecutor::EmitRefined(const Task& task, TaskOutcome& outcome) {
+Status TaskExecutor::EmitViews(const Task& task, const EmitOne& emit, TaskOutcome& outcome) const {
+  const auto num_views = static_cast<std::size_t>(task.job().num_views());
+  std::vector<Status> failures(num_views);
+  std::vector<TaskOutcome> of_views(num_views);
+  ParallelFor(num_views, threads_, [&](std::size_t v) { failures[v] = emit(v, of_views[v]); });
+  for (const Status& failure : failures) DEPTHFARM_RETURN_IF_ERROR(failure);
+  for (TaskOutcome& of_view : of_views)
+    std::move(of_view.files.begin(), of_view.files.end(), std::back_inserter(outcome.files));
+  return {};
+}
+
+Status TaskExecutor::EmitRefined(const Task& task, TaskOutcome& outcome) const {
   const ResolvedJob& job = task.job();
   const FrameRefinement refined = task.inputs.ListedRefined(InputRole::kRefined);
   const auto confidence = task.inputs.ListedConfidence();
-  for (int view = 0; view < job.num_views(); ++view) {
-    const auto v = static_cast<std::size_t>(view);
+  const auto emit_depth = [&](std::size_t v, TaskOutcome& of_view) -> Status {
     const Camera& camera = job.views[v].camera;
     if (refined[v] == nullptr || refined[v]->plane_of_pixel.width() != camera.width ||
         refined[v]->plane_of_pixel.height() != camera.height) {
       return InvalidArgument("camera '" + camera.name + "' has no refined depth of its size");
     }
-    Grid<std::uint16_t> codes = RefinedDepthCodes(job, view, *refined[v]);
+    Grid<std::uint16_t> codes = RefinedDepthCodes(job, static_cast<int>(v), *refined[v]);
     if (job.params.assesses()) {
       if (confidence[v] == nullptr || confidence[v]->codes.size() != codes.size())
         return InvalidArgument("camera '" + camera.name + "' has no confidence map of its size");
       MakeHoles(*confidence[v], job.params.holes, codes);
     }
-    DEPTHFARM_RETURN_IF_ERROR(
-        EmitMap(task, camera.name, DepthFileName(camera.name, task.SequenceFrame()), codes, outcome));
-  }
+    return EmitMap(task, camera.name, DepthFileName(camera.name, task.SequenceFrame()), codes, of_view);
+  };
+  DEPTHFARM_RETURN_IF_ERROR(EmitViews(task, emit_depth, outcome));
   if (!job.params.confidence) return {};
-  for (std::size_t v = 0; v < confidence.size(); ++v) {
+  const auto emit_confidence = [&](std::size_t v, TaskOutcome& of_view) {
     const std::string& camera = job.views[v].camera.name;
-    DEPTHFARM_RETURN_IF_ERROR(
-        EmitMap(task, camera, ConfidenceFileName(camera, task.SequenceFrame()), confidence[v]->codes, outcome));
-  }
-  return {};
+    return EmitMap(task, camera, ConfidenceFileName(camera, task.SequenceFrame()), confidence[v]->codes, of_view);
+  };
+  return EmitViews(task, emit_confidence, outcome);
 }
 
-Status TaskExecutor::EmitLabels(const Task& task, TaskOutcome& outcome) {
+Status TaskExecutor::EmitLabels(const Task& task, TaskOutcome& outcome) const {
   const ResolvedJob& job = task.job();
   DEPTHFARM_ASSIGN_OR_RETURN(const FrameAnalysis analysis, task.inputs.Analyses(InputRole::kAnalysis));
   DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 1));
   DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
   DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, *labels[0]));
-  for (std::size_t v = 0; v < analysis.size(); ++v) {
+  const auto emit_depth = [&](std::size_t v, TaskOutcome& of_view) {
     const Grid<std::uint16_t> codes =
         DepthCodes(job, static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]);
     const std::string& camera = job.views[v].camera.name;
-    DEPTHFARM_RETURN_IF_ERROR(EmitMap(task, camera, DepthFileName(camera, task.SequenceFrame()), codes, outcome));
-  }
-  return {};
+    return EmitMap(task, camera, DepthFileName(camera, task.SequenceFrame()), codes, of_view);
+  };
+  return EmitViews(task, emit_depth, outcome);
 }
 
 Status TaskExecutor::EmitMap(const Task& task, const std::string& camera, const std::string& path,

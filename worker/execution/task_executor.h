@@ -1,6 +1,8 @@
 #ifndef DEPTHFARM_WORKER_EXECUTION_TASK_EXECUTOR_H_
 #define DEPTHFARM_WORKER_EXECUTION_TASK_EXECUTOR_H_
 
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -29,12 +31,13 @@ struct TaskOutcome {
 };
 
 // Executes tasks of every kind, one at a time: inputs from memory, store or other workers, results into the store or
-// the job's output folder. All that cost them is measured for the thread that calls Execute. Not thread-safe.
+// the job's output folder. What they cost is measured for the thread that calls Execute; where it has helpers, for the
+// process: with what serving other workers costs meanwhile. Not thread-safe.
 class TaskExecutor {
  public:
-  // All must outlive the executor.
-  TaskExecutor(ArtifactStore& store, MemoryCache& cache, ArtifactFetcher& fetcher)
-      : store_(store), cache_(cache), fetcher_(fetcher) {}
+  // All must outlive the executor. `threads`, >= 1: on how many a task is computed; results are the same for any.
+  TaskExecutor(ArtifactStore& store, MemoryCache& cache, ArtifactFetcher& fetcher, int threads = 1)
+      : store_(store), cache_(cache), fetcher_(fetcher), threads_(threads) {}
 
   // Never throws. Errors name camera and frame (of the sequence): kInvalidArgument: the job or its pictures are wrong;
   // kIncompatible: the job pins another algorithm version; kUnavailable: an input, a file, the disk or memory is out of
@@ -57,8 +60,11 @@ class TaskExecutor {
   [[nodiscard]] static Status Render(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Commit(const Task& task);
   [[nodiscard]] Status Manifest(const Task& task);
-  [[nodiscard]] static Status EmitRefined(const Task& task, TaskOutcome& outcome);
-  [[nodiscard]] static Status EmitLabels(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status EmitRefined(const Task& task, TaskOutcome& outcome) const;
+  [[nodiscard]] Status EmitLabels(const Task& task, TaskOutcome& outcome) const;
+  // Emits the files of each view into an outcome of its own, views on several threads, and lists them in their order.
+  using EmitOne = std::function<Status(std::size_t view, TaskOutcome& of_view)>;
+  [[nodiscard]] Status EmitViews(const Task& task, const EmitOne& emit, TaskOutcome& outcome) const;
   // Writes a file of the attempt.
   [[nodiscard]] static Status Stage(const Task& task, std::string path, const std::string& bytes, TaskOutcome& outcome);
   // A map of a camera as a 16-bit PNG.
@@ -73,6 +79,7 @@ class TaskExecutor {
   ArtifactStore& store_;
   MemoryCache& cache_;
   ArtifactFetcher& fetcher_;
+  const int threads_;
   FloorMemory floors_;
   ViewMemory refining_;
   PassedRounds passed_rounds_;

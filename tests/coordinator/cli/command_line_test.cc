@@ -42,6 +42,8 @@ TEST(CommandLine, RunKeepsEstimationOptionsInTheirWords) {
   EXPECT_EQ(run.job.sequence, "array.json");
   EXPECT_EQ(run.job.output_dir, "out");
   EXPECT_EQ(run.farm.workers, 3);
+  EXPECT_EQ(run.farm.threads, 1);
+  EXPECT_EQ(Parsed<RunArguments>({"run", "array.json", "-o", "out", "--threads", "4"}).farm.threads, 4);
   EXPECT_TRUE(run.json);
   const EstimationArguments expected = {
       .preset = "paper", .params_file = "p.json", .values = {{"levels", "auto"}, {"frames", "0:5"}}};
@@ -78,6 +80,7 @@ TEST(CommandLine, BenchNeedsNothingAndTakesASequenceOrAScene) {
   const auto plain = Parsed<BenchArguments>({"bench"});
   EXPECT_EQ(plain.sequence, "");
   EXPECT_EQ(plain.workers, 1);
+  EXPECT_EQ(plain.threads, 1);
   EXPECT_EQ(plain.repeats, 1);
   const auto scene = Parsed<BenchArguments>({"bench", "--size", "64x48", "--cameras", "4", "--seed", "9", "--repeat",
                                              "3", "--preset", "default,paper", "--levels", "32"});
@@ -133,6 +136,9 @@ INSTANTIATE_TEST_SUITE_P(All, BadUsage,
                              {"run", "-o", "d"},
                              {"run", "s.json", "-o", "d", "--workers", "0"},
                              {"run", "s.json", "-o", "d", "--workers", "many"},
+                             {"run", "s.json", "-o", "d", "--threads", "0"},
+                             {"run", "s.json", "-o", "d", "--threads", "257"},
+                             {"bench", "--threads", "-1"},
                              {"run", "s.json", "-o", "d", "--level", "3"},
                              {"run", "s.json", "extra", "-o", "d"},
                              {"run", "s.json", "-o", "d", "--log-level", "loud"},

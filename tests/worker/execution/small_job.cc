@@ -26,9 +26,9 @@ Result<std::string> StoreFetcher::Fetch(const TaskInput& input, const std::stop_
   return Unavailable("nobody has it");
 }
 
-TestWorker::TestWorker()
+TestWorker::TestWorker(int threads)
     : store(ArtifactStore::Open(folder.path() / "store", 64 << 20).value()),
-      owned_executor(std::make_unique<TaskExecutor>(*store, cache, fetcher)),
+      owned_executor(std::make_unique<TaskExecutor>(*store, cache, fetcher, threads)),
       executor(*owned_executor) {}
 
 SmallJob::SmallJob() {

@@ -22,7 +22,7 @@ class StoreFetcher : public ArtifactFetcher {
 
 // One worker's executing side.
 struct TestWorker {
-  TestWorker();
+  explicit TestWorker(int threads = 1);
   TaskOutcome Execute(const TaskSpec& spec, const JobConfig& config) { return executor.Execute(spec, config, {}); }
 
   testing_support::TemporaryFolder folder;

@@ -117,6 +117,19 @@ TEST(TaskExecutor, TheResultDoesNotDependOnTheNumberOfWorkers) {
   EXPECT_EQ(Contents(shared.output()), Contents(alone.output()));
 }
 
+TEST(TaskExecutor, TheResultDoesNotDependOnTheNumberOfThreads) {
+  SmallJob alone;
+  TestWorker worker;
+  ASSERT_TRUE(alone.RunOn({&worker}).ok());
+  for (const int threads : {2, 3, 5}) {
+    SmallJob shared;
+    TestWorker other(threads);
+    const Status status = shared.RunOn({&other});
+    ASSERT_TRUE(status.ok()) << status.message();
+    EXPECT_EQ(Contents(shared.output()), Contents(alone.output())) << threads << " threads";
+  }
+}
+
 TEST(TaskExecutor, ConfidenceIsWrittenBesideTheSameDepthOrMakesHolesInIt) {
   SmallJob plain;
   TestWorker worker;
