@@ -196,7 +196,7 @@ void Expansion::AddMatchOfConstant(Part& part, NodeIndex node, const MatchLink& 
 
 std::int64_t Expansion::Solve(const Move& move) {
   for (const Part& part : parts_)
-    for (const Share& share : part.shares) Terminal(share.node) += share.weight;
+    for (const Share& share : part.shares) terminal_[share.node] += share.weight;
   // Least E - E(keep all) = (sum of the negative linear coefficients) + maximum flow.
   std::int64_t delta = 0;
   for (std::size_t i = 0; i < terminal_.size(); ++i) {

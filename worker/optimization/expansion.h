@@ -73,7 +73,7 @@ class Expansion {
   };
   // What a node of one part adds to the terminal of another's.
   struct Share {
-    NodeIndex node = 0;
+    MaxFlow::Node node = 0;
     std::int64_t weight = 0;
   };
   struct Part {
@@ -106,11 +106,13 @@ class Expansion {
   void AddMatches(Part& part, NodeIndex node, const Move& move);
   // A constant node's reward depends only on its target: gained if that takes alpha, or lost if it leaves.
   void AddMatchOfConstant(Part& part, NodeIndex node, const MatchLink& match, const Move& move);
+  // `node` moves.
   void AddToTerminal(Part& part, NodeIndex node, std::int64_t weight) {
-    if (IsOf(part, node)) {
-      Terminal(node) += weight;
+    const MaxFlow::Node number = in_graph_[node];
+    if (number - part.first < part.movers.size()) {
+      terminal_[number] += weight;
     } else {
-      part.shares.push_back({node, weight});
+      part.shares.push_back({number, weight});
     }
   }
   // Calls each(part) for all parts, on as many threads.
