@@ -89,8 +89,8 @@ int Fail(const Status& status, int code) {
 
 int RunWorker(WorkerOptions options) {
   // Threads that compute come and go: each would keep a heap of its own with all that was freed there. They allocate
-  // rarely enough to share one.
-  mallopt(M_ARENA_MAX, 1);
+  // rarely enough for those of a slot to share one.
+  mallopt(M_ARENA_MAX, options.slots);
   InstallSignalHandlers();
   TemporaryCache cache;
   if (options.cache_dir.empty()) {

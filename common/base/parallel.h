@@ -1,6 +1,8 @@
 #ifndef DEPTHFARM_COMMON_BASE_PARALLEL_H_
 #define DEPTHFARM_COMMON_BASE_PARALLEL_H_
 
+#include <time.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
@@ -11,6 +13,20 @@
 #include <vector>
 
 namespace depthfarm {
+
+namespace parallel_internal {
+inline thread_local double seconds_of_helpers = 0;
+
+inline double CpuSecondsOfThread() {
+  timespec time{};
+  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) != 0) return 0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+}  // namespace parallel_internal
+
+// CPU seconds that other threads have spent so far in the loops below that this thread began; its own are not among
+// them.
+inline double SecondsOfHelpers() { return parallel_internal::seconds_of_helpers; }
 
 // Calls function(i) for each i in [0, count), on up to `threads` threads, this one among them; returns when all have
 // ended. The calls must not depend on each other; which thread makes which is open. The first exception is thrown here,
@@ -37,15 +53,22 @@ void ParallelFor(std::size_t count, int threads, const Function& function) {
       }
     }
   };
+  double seconds = 0;
+  const auto help = [&] {
+    work();
+    const std::scoped_lock lock(mutex);
+    seconds += parallel_internal::CpuSecondsOfThread() + SecondsOfHelpers();
+  };
   {
     std::vector<std::jthread> helpers;
     helpers.reserve(most - 1);
     try {
-      for (std::size_t i = 1; i < most; ++i) helpers.emplace_back(work);
+      for (std::size_t i = 1; i < most; ++i) helpers.emplace_back(help);
     } catch (const std::system_error&) {  // the work is done all the same
     }
     work();
   }
+  parallel_internal::seconds_of_helpers += seconds;
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -105,6 +105,7 @@ double PixelsOfRange(const ResolvedJob& job, const DepthLevels& planes) {
       widest = std::max(widest, range);
     }
   }
+  if (nearest.empty()) return 0;
   std::sort(nearest.begin(), nearest.end());
   return std::max(nearest[nearest.size() / 2], widest / 2);
 }

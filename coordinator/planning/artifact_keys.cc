@@ -81,12 +81,22 @@ ArtifactKey RefinePart(const JobConfig& config) {
 }  // namespace
 
 ArtifactKeys::ArtifactKeys(const JobConfig& config)
-    : partition_(config.resolved.params.partition), job_(JobPart(config)), refined_(RefinePart(config)) {}
+    : partition_(config.resolved.params.partition),
+      search_step_(config.render ? 1 : SearchStep(config.resolved, 1)),
+      job_(JobPart(config)),
+      refined_(RefinePart(config)) {}
 
 ArtifactKey ArtifactKeys::Estimate(int num_blocks, int block, std::span<const Input> inputs) const {
   // One block holds all levels, however they are spread.
   const int partition = num_blocks == 1 ? 0 : 1 + static_cast<int>(partition_);
-  return KeyBuilder("estimate").Add(job_).Add(partition).Add(num_blocks).Add(block).Add(inputs).Build();
+  return KeyBuilder("estimate")
+      .Add(job_)
+      .Add(partition)
+      .Add(num_blocks)
+      .Add(block)
+      .Add(search_step_)
+      .Add(inputs)
+      .Build();
 }
 
 ArtifactKey ArtifactKeys::Merge(std::span<const Input> inputs) const {

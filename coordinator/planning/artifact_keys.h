@@ -31,6 +31,7 @@ class ArtifactKeys {
 
  private:
   Partition partition_;
+  int search_step_;      // of one block; that of several follows
   ArtifactKey job_;      // of what all tasks of the job share
   ArtifactKey refined_;  // of what its Refine and Assess tasks share besides
 };

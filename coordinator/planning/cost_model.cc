@@ -6,11 +6,11 @@
 namespace depthfarm {
 namespace {
 
-// Where the constants come from: jobs of algorithm version 8 on one worker, CPU seconds by task as the coordinator logs
-// them, artifact sizes as stored, peak memory of a worker that started afresh. The scenes are arcs that `depthfarm
-// scene arc` renders: seed 301, 5 views of 640x480; 113, 5 of 1024x768; 117, 6 of 1920x1080; each by default, the first
-// one also with the presets best, fast and (320x240) paper, --level-blocks 4, --sweeps 1, --neighbors 4, --confidence
-// on and four frames. Figures in the tests of this file.
+// Where the constants come from: jobs of algorithm version 8 (P frames: 9) on one worker, CPU seconds by task as the
+// coordinator logs them, artifact sizes as stored, peak memory of a worker that started afresh. The scenes are arcs
+// that `depthfarm scene arc` renders: seed 301, 5 views of 640x480; 113, 5 of 1024x768; 117, 6 of 1920x1080; each by
+// default, the first one also with the presets best, fast and (320x240) paper, --level-blocks 4, --sweeps 1,
+// --neighbors 4, --confidence on and four frames. Figures in the tests of this file.
 //
 // Photographs take longer where these scenes are easy: of four real sets (docs/benchmarks.md, Real sets) Estimate and
 // Refine together took 1.2 to 2.4 times as long as rendered scenes of the same sizes would. Predictions stand between.
@@ -24,6 +24,7 @@ constexpr double kMebi = 1024.0 * 1024.0;
 // pixel together, where nothing is downscaled.
 constexpr double kDecodePixel = 25 * kNano;
 constexpr double kAnalysePixel = 235 * kNano;
+constexpr double kAnalysedShareOfPFrame = 0.45;  // segments of what stands still are kept
 
 // Estimate, a segment: what every part does anew, and what it does for each of its levels. Sparse: 34 to 250 levels in
 // one to four parts fit within 15 %. Full: a sweep over 8 to 36 levels, and with every match in full (uniqueness 0)
@@ -40,9 +41,9 @@ constexpr int kSweepsUntilNothingChanges = 6;  // measured with the preset paper
 constexpr double kMergeSegment = 0.7 * kMicro;
 constexpr double kMergeLevel = 5.5 * kNano;
 
-// Of the segments of a P frame so many change (measured: 21 to 26 %); refinement works on more than that, since what
-// moves has jumps around it.
-constexpr double kChangedShare = 0.25;
+// So much of an I frame's work a P frame's search takes, and each of its rounds of refinement: what moves has jumps
+// around it.
+constexpr double kChangedShare = 0.12;
 constexpr double kRefinedShare = 0.42;
 
 // Refine, a pixel and a view it is compared with. A round of choice looks closer at pixels near jumps; there are as
@@ -121,7 +122,7 @@ TaskCost CostModel::Of(const TaskId& id) const {
   const double files = static_cast<double>(job_.num_views()) * (job_.params.confidence ? 2 : 1);
   switch (id.kind) {
     case TaskKind::kAnalyse:
-      return Analyse(view(id.index));
+      return Analyse(i_frame, view(id.index));
     case TaskKind::kEstimate:
       return Estimate(i_frame);
     case TaskKind::kMerge:
@@ -145,10 +146,10 @@ TaskCost CostModel::Of(const TaskId& id) const {
   return {};
 }
 
-TaskCost CostModel::Analyse(const JobView& view) const {
+TaskCost CostModel::Analyse(bool i_frame, const JobView& view) const {
   const double pixels = PixelsOf(view);
   const double source = static_cast<double>(view.source_width) * static_cast<double>(view.source_height);
-  return Cost(kDecodePixel * source + kAnalysePixel * pixels,
+  return Cost(kDecodePixel * source + kAnalysePixel * pixels * (i_frame ? 1 : kAnalysedShareOfPFrame),
               kAnalysingPixel * pixels + AnalysisBytes(pixels, view.segments),
               kAnalysisPixelStored * pixels + kAnalysisSegmentStored * view.segments);
 }

@@ -23,7 +23,7 @@ struct TaskCost {
 
 // Costs of the tasks of a job, from its numbers alone: pixels, segments, levels, views, frame type and options. No
 // picture is looked at: detail is taken to be between that of the rendered scenes and of the photographs behind the
-// constants (cost_model.cc), and in P frames a quarter of the segments to change. A rendered job's CPU is right to a
+// constants (cost_model.cc), and P frames to stand still in most places. A rendered job's CPU is right to a
 // factor 1.5 and a stage's to a factor 2, a job's of photographs to a factor 2; other processors add to that. All I
 // frames of a job cost the same, and so do all P frames.
 class CostModel {
@@ -38,7 +38,7 @@ class CostModel {
   [[nodiscard]] static double SecondsToRead(std::uint64_t stored_bytes);
 
  private:
-  [[nodiscard]] TaskCost Analyse(const JobView& view) const;
+  [[nodiscard]] TaskCost Analyse(bool i_frame, const JobView& view) const;
   [[nodiscard]] TaskCost Estimate(bool i_frame) const;
   [[nodiscard]] TaskCost Merge(bool i_frame) const;
   [[nodiscard]] TaskCost Refine(bool i_frame, int round, const JobView& view) const;

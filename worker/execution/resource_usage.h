@@ -6,13 +6,11 @@
 namespace depthfarm {
 
 struct ResourceUsage {
-  double cpu_seconds = 0;               // user + system
+  double cpu_seconds = 0;               // user + system of the calling thread and of the loops that it spread
   std::uint64_t peak_memory_bytes = 0;  // largest resident set of the process so far
 };
 
 [[nodiscard]] ResourceUsage UsageOfThread();
-// Of all threads of the process.
-[[nodiscard]] ResourceUsage UsageOfProcess();
 
 }  // namespace depthfarm
 

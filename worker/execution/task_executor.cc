@@ -123,8 +123,7 @@ Result<RefinedView> StartOf(const TaskSpec& spec, const ResolvedJob& job, const 
 }  // namespace
 
 TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
-  const auto usage = [this] { return threads_ > 1 ? UsageOfProcess() : UsageOfThread(); };
-  const ResourceUsage before = usage();
+  const ResourceUsage before = UsageOfThread();
   const auto start = std::chrono::steady_clock::now();
   TaskOutcome outcome;
   TaskInputs inputs(store_, cache_, fetcher_, stop);
@@ -138,7 +137,7 @@ TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config,
   }
   if (stop.stop_requested() && !outcome.status.ok()) outcome.status = Cancelled();
   outcome.missing_inputs = inputs.missing();
-  const ResourceUsage after = usage();
+  const ResourceUsage after = UsageOfThread();
   outcome.stats.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   outcome.stats.cpu_seconds = after.cpu_seconds - before.cpu_seconds;
   outcome.stats.peak_memory_bytes = after.peak_memory_bytes;

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 namespace depthfarm {
@@ -59,6 +60,19 @@ TEST(ParallelForPieces, CoversAllOnceInPiecesOfOneSize) {
       for (const auto& calls_of_one : calls) EXPECT_EQ(calls_of_one, 1) << threads << " threads, " << count;
     }
   }
+}
+
+TEST(ParallelFor, CountsWhatItsHelpersSpend) {
+  const double before = SecondsOfHelpers();
+  ParallelFor(1, 4, [](std::size_t) {});
+  EXPECT_EQ(SecondsOfHelpers(), before);
+  std::atomic<std::uint64_t> sum = 0;
+  std::atomic<int> waiting = 0;
+  ParallelFor(2, 2, [&](std::size_t) {
+    for (++waiting; waiting < 2;) std::this_thread::yield();  // both threads have a part
+    for (std::uint64_t i = 0; i < 2'000'000; ++i) sum += i;
+  });
+  EXPECT_GT(SecondsOfHelpers(), before);
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(ArtifactKeys, WhatReachesTheRefinementOnlyChangesItsKeyOnly) {
       [](JobConfig& c) { c.resolved.views[1].own_range.z_near += 1e-9; },
   };
   const auto refine_key = [](const JobConfig& config) { return ArtifactKeys(config).Refine(1, 0, TwoInputs()); };
-  const JobConfig base = MakePlannedJob({}).config;
+  const JobConfig base = MakePlannedJob({.refine = 4}).config;
   std::set<ArtifactKey> keys = {refine_key(base)};
   for (const Change& change : changes) {
     JobConfig changed = base;
@@ -69,6 +69,15 @@ TEST(ArtifactKeys, WhatReachesTheRefinementOnlyChangesItsKeyOnly) {
   energy.resolved.params.smoothing += 1;
   keys.insert(refine_key(energy));
   EXPECT_EQ(keys.size(), changes.size() + 2);
+}
+
+TEST(ArtifactKeys, RefinementThatLevelsAreSearchedForChangesTheKeyOfLabels) {
+  JobConfig levels = MakePlannedJob({}).config;
+  levels.resolved.params.levels = 250;
+  JobConfig refined = levels;
+  refined.resolved.params.refine_rounds = 4;
+  ASSERT_NE(SearchStep(levels.resolved, 1), SearchStep(refined.resolved, 1));
+  EXPECT_NE(KeyOf(levels), KeyOf(refined));
 }
 
 TEST(ArtifactKeys, WhatDoesNotReachTheEnergyDoesNot) {
