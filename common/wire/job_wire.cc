@@ -103,6 +103,7 @@ Result<ResolvedJob> ResolvedFromProto(const v1::JobConfig& proto) {
   ResolvedJob job;
   DEPTHFARM_ASSIGN_OR_RETURN(job.params, FromProto(proto.params()));
   const EstimationParams& params = job.params;
+  if (params.gop < 1) return InvalidArgument("gop of a resolved job is 0, expected at least 1");
   DEPTHFARM_ASSIGN_OR_RETURN(job.reference, FromProto(proto.reference()));
   DEPTHFARM_RETURN_IF_ERROR(DepthLevels::Create(job.reference, params.z_near, params.z_far, params.levels).status());
   DEPTHFARM_ASSIGN_OR_RETURN(job.views, ViewsFromProto(proto, params.downscale));

@@ -88,8 +88,8 @@ Result<TaskInput> InputFromProto(const v1::ArtifactInput& proto) {
   TaskInput input;
   DEPTHFARM_ASSIGN_OR_RETURN(input.artifact.key, DigestFromBytes("input key", proto.key()));
   DEPTHFARM_ASSIGN_OR_RETURN(input.artifact.content_digest, DigestFromBytes("input digest", proto.content_digest()));
-  if (proto.stored_bytes() > kMaxArtifactBytes) {
-    return InvalidArgument("input size is " + std::to_string(proto.stored_bytes()) + " bytes, expected at most " +
+  if (proto.stored_bytes() == 0 || proto.stored_bytes() > kMaxArtifactBytes) {
+    return InvalidArgument("input size is " + std::to_string(proto.stored_bytes()) + " bytes, expected 1 to " +
                            std::to_string(kMaxArtifactBytes));
   }
   input.artifact.stored_bytes = proto.stored_bytes();

@@ -56,10 +56,10 @@ Choice BlocksChoice(const ResolvedJob& job) {
   if (HasPFrames(job) && job.level_blocks_p != job.level_blocks_i)
     value += ", P frames " + std::to_string(job.level_blocks_p);
   std::string reason = "one task searches all levels of a frame: ";
-  reason += sparse ? "its matches take less than 320 MB" : "splitting would cost more than it saves";
+  reason += sparse ? "its matches and beliefs take less than 350 MB" : "splitting would cost more than it saves";
   if (job.level_blocks_i > 1) {
     reason = "so many tasks of a frame search some levels each, side by side, and are merged";
-    if (sparse) reason += ": each takes about 320 MB or less for matches";
+    if (sparse) reason += ": each takes about 350 MB or less for matches and beliefs";
   }
   return {"level-blocks", value, reason};
 }

@@ -178,7 +178,11 @@ std::string FormatJob(const v1::JobStatus& job) {
                     FormatBytes(static_cast<double>(stage.fetched_bytes())), std::to_string(stage.reused())});
   }
   if (rows.size() > 1) text += FormatTable(rows, {false, true, true, true, true, true, true});
-  if (job.lacks_worker()) text += "  waits for a worker with the tags " + Joined(job.required_tags()) + "\n";
+  if (job.lacks_worker()) {
+    text += "  waits for a worker";
+    if (job.required_tags_size() > 0) text += " with the tags " + Joined(job.required_tags());
+    text += "\n";
+  }
   for (const std::string& task : job.running()) text += "  running: " + task + "\n";
   return text;
 }

@@ -9,8 +9,8 @@
 namespace depthfarm {
 namespace {
 
-constexpr std::int64_t kMaxDepthFiles = 400'000;    // about 120 bytes each in a message of at most 64 MiB
-constexpr std::int64_t kMaxTasksOfGop = 2'000'000;  // in memory together, some 500 bytes each
+constexpr std::int64_t kMaxDepthFiles = 400'000;  // about 120 bytes each in a message of at most 64 MiB
+constexpr std::int64_t kMaxTasksOfGop = 100'000;  // opened at once, which must take well less than a lease
 
 std::uint64_t CountMerges(const std::vector<std::vector<MergePair>>& rounds) {
   std::uint64_t count = 0;

@@ -7,7 +7,7 @@ std::optional<Placement> ChoosePlacement(std::span<const TaskCandidate> tasks, s
   std::uint64_t best_bytes = 0;
   for (const TaskCandidate& candidate : tasks) {
     for (const WorkerId worker : free_workers) {
-      if (candidate.avoid.contains(worker)) continue;
+      if (candidate.avoid.contains(worker) || candidate.full.contains(worker)) continue;
       const auto held = candidate.local_bytes.find(worker);
       const std::uint64_t bytes = held == candidate.local_bytes.end() ? 0 : held->second;
       if (best && bytes <= best_bytes) continue;

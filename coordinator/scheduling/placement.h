@@ -15,7 +15,8 @@ namespace depthfarm {
 struct TaskCandidate {
   TaskId task;
   std::map<WorkerId, std::uint64_t> local_bytes;  // how much of its inputs a worker holds
-  std::set<WorkerId> avoid;                       // without its tags or memory; or it failed there, if there are others
+  std::set<WorkerId> avoid = {};  // without its tags, not large enough; or it failed there, if there are others
+  std::set<WorkerId> full = {};   // large enough, but not beside the tasks it has
 };
 
 struct Placement {

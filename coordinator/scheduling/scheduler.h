@@ -112,6 +112,8 @@ class Scheduler {
   [[nodiscard]] std::vector<ArtifactInfo> InputsOrHint(const JobRecord& job, const TaskId& task) const;
   [[nodiscard]] std::optional<ArtifactInfo> HintOf(const JobRecord& job, const TaskId& task) const;
   [[nodiscard]] TaskCandidate CandidateOf(JobRecord& job, const TaskId& task) const;
+  // Takes a worker off the list that one of the tasks waits for: with less urgent ones it would never have the memory.
+  static void HoldForMemory(const std::vector<TaskCandidate>& candidates, std::vector<WorkerId>& free_workers);
   [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
   void EndJob(JobId id, JobState state);

@@ -153,8 +153,10 @@ void Scheduler::AdvanceEndings() {
 }
 
 void Scheduler::EndDrainedWorkers() {
-  for (const auto& [id, worker] : workers_.workers()) {
-    if (worker.draining && worker.leases.empty()) actions_.emplace_back(EndWorker{id});
+  for (auto& [id, worker] : workers_.workers()) {
+    if (!worker.draining || worker.told_to_end || !worker.leases.empty()) continue;
+    worker.told_to_end = true;
+    actions_.emplace_back(EndWorker{id});
   }
 }
 
@@ -162,10 +164,11 @@ void Scheduler::OpenGops() {
   const std::size_t wanted =
       std::max<std::size_t>(1, workers_.num_slots() * static_cast<std::size_t>(options_.ready_per_slot));
   std::map<int, std::size_t> jobs_of_priority;
-  for (const auto& [id, job] : jobs_) ++jobs_of_priority[job.priority];
+  for (const auto& [id, job] : jobs_) jobs_of_priority[job.priority] += workers_.AnyFor(job.tags) ? 1 : 0;
   std::size_t ready = 0;
   for (const JobId id : JobsInFairOrder()) {
     const JobRecord& job = jobs_.at(id);
+    if (!workers_.AnyFor(job.tags)) continue;  // what is ready here, nobody takes
     JobProgress& progress = *job.progress;
     const std::size_t share = ReadyShare(wanted, jobs_of_priority.at(job.priority));
     while (progress.table().ready().size() < share && progress.HasUnopenedGop() &&
@@ -204,7 +207,7 @@ void Scheduler::Assign() {
 
 std::size_t Scheduler::NumReady() const {
   std::size_t ready = 0;
-  for (const auto& [id, job] : jobs_) ready += job.progress->table().ready().size();
+  for (const auto& [id, job] : jobs_) ready += workers_.AnyFor(job.tags) ? job.progress->table().ready().size() : 0;
   return ready;
 }
 
@@ -239,13 +242,19 @@ TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task) const {
     for (const WorkerId holder : directory_.Holders(input.key)) candidate.local_bytes[holder] += input.stored_bytes;
   }
   const std::set<WorkerId>& failed_on = job.progress->Find(task)->failed_on;
-  const bool others = std::any_of(workers_.workers().begin(), workers_.workers().end(),
-                                  [&](const auto& entry) { return !failed_on.contains(entry.first); });
-  if (others) candidate.avoid = failed_on;
   const std::uint64_t memory = job.progress->MemoryOf(task);
+  const auto is_large = [&](const Worker& worker) { return worker.memory_bytes == 0 || worker.memory_bytes >= memory; };
+  const bool large_exist = std::ranges::any_of(
+      workers_.workers(), [&](const auto& entry) { return entry.second.Takes(job.tags) && is_large(entry.second); });
+  const auto takes = [&](const Worker& worker) { return worker.Takes(job.tags) && (is_large(worker) || !large_exist); };
+  const bool others = std::ranges::any_of(
+      workers_.workers(), [&](const auto& entry) { return takes(entry.second) && !failed_on.contains(entry.first); });
   for (const auto& [id, worker] : workers_.workers()) {
-    if (!std::ranges::includes(worker.tags, job.tags) || !workers_.HasMemory(worker, memory))
+    if (!takes(worker) || (others && failed_on.contains(id))) {
       candidate.avoid.insert(id);
+    } else if (large_exist ? !workers_.HasMemory(worker, memory) : !workers_.IsEmpty(worker)) {
+      candidate.full.insert(id);
+    }
   }
   return candidate;
 }
@@ -268,9 +277,19 @@ bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers)
       if (workers_.leases().size() > leases) std::erase(free_workers, placement->worker);
       return true;
     }
+    HoldForMemory(candidates, free_workers);
     first = next;
   }
   return false;
+}
+
+void Scheduler::HoldForMemory(const std::vector<TaskCandidate>& candidates, std::vector<WorkerId>& free_workers) {
+  for (const TaskCandidate& candidate : candidates) {
+    const auto full = std::ranges::find_if(free_workers, [&](WorkerId id) { return candidate.full.contains(id); });
+    if (full == free_workers.end()) continue;
+    free_workers.erase(full);
+    return;
+  }
 }
 
 void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
@@ -341,7 +360,7 @@ JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
     if (lease.task.job == id) snapshot.running.push_back({lease.task, lease.worker, workers_.Find(lease.worker)->name});
   }
   snapshot.tags = job.tags;
-  snapshot.lacks_worker = !workers_.AnyWith(job.tags);
+  snapshot.lacks_worker = !workers_.AnyFor(job.tags);
   snapshot.retries = job.retries;
   snapshot.determinism_violations = job.violations;
   snapshot.submitted = job.submitted;

@@ -43,7 +43,7 @@ struct JobSnapshot {
   std::array<StageSnapshot, kNumTaskKinds> stages;  // by TaskKind
   std::vector<RunningTask> running;
   std::set<std::string> tags;  // that its workers must have
-  bool lacks_worker = false;   // there is none with these tags
+  bool lacks_worker = false;   // there is none that takes its tasks
   std::uint64_t retries = 0;
   std::uint64_t determinism_violations = 0;
   TimePoint submitted;

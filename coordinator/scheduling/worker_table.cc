@@ -12,6 +12,7 @@ Worker& WorkerTable::Join(const WorkerJoined& event, TimePoint now) {
   worker.ahead = event.ahead;
   worker.memory_bytes = event.memory_bytes;
   worker.tags = event.tags;
+  worker.told_to_end = false;
   worker.last_heard = now;
   worker.ask.reset();
   worker.known_jobs.clear();
@@ -67,28 +68,21 @@ WorkerTable::Room WorkerTable::RoomOf(const Worker& worker, TimePoint now, Milli
 bool WorkerTable::HasMemory(const Worker& worker, std::uint64_t bytes) const {
   if (worker.memory_bytes == 0) return true;
   std::uint64_t taken = 0;
-  bool alone = true;
-  for (const LeaseId id : worker.leases) {
-    const Lease& lease = leases_.at(id);
-    taken += lease.memory_bytes;
-    alone = alone && lease.revoked;
-  }
-  if (taken + bytes <= worker.memory_bytes) return true;
-  const bool fits_somewhere = std::ranges::any_of(workers_, [&](const auto& entry) {
-    return entry.second.memory_bytes == 0 || entry.second.memory_bytes >= bytes;
-  });
-  return alone && !fits_somewhere;
+  for (const LeaseId id : worker.leases) taken += leases_.at(id).memory_bytes;
+  return taken + bytes <= worker.memory_bytes;
 }
 
-bool WorkerTable::AnyWith(const std::set<std::string>& tags) const {
-  return std::ranges::any_of(workers_, [&](const auto& entry) {
-    return !entry.second.draining && std::ranges::includes(entry.second.tags, tags);
-  });
+bool WorkerTable::IsEmpty(const Worker& worker) const {
+  return std::ranges::all_of(worker.leases, [&](LeaseId id) { return leases_.at(id).revoked; });
+}
+
+bool WorkerTable::AnyFor(const std::set<std::string>& tags) const {
+  return std::ranges::any_of(workers_, [&](const auto& entry) { return entry.second.Takes(tags); });
 }
 
 std::size_t WorkerTable::num_slots() const {
   std::size_t slots = 0;
-  for (const auto& [id, worker] : workers_) slots += static_cast<std::size_t>(worker.slots);
+  for (const auto& [id, worker] : workers_) slots += worker.draining ? 0 : static_cast<std::size_t>(worker.slots);
   return slots;
 }
 

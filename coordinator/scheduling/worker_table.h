@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_COORDINATOR_SCHEDULING_WORKER_TABLE_H_
 #define DEPTHFARM_COORDINATOR_SCHEDULING_WORKER_TABLE_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -15,6 +16,11 @@ namespace depthfarm {
 
 // A worker that joined and was heard of within a lease.
 struct Worker {
+  // Whether it takes tasks of a job with these tags.
+  [[nodiscard]] bool Takes(const std::set<std::string>& wanted) const {
+    return !draining && std::ranges::includes(tags, wanted);
+  }
+
   WorkerId id;
   std::string name;
   int slots = 1;                   // tasks that it computes at a time
@@ -22,6 +28,7 @@ struct Worker {
   std::uint64_t memory_bytes = 0;  // for its tasks; 0: no bound
   std::set<std::string> tags;
   bool draining = false;
+  bool told_to_end = false;
   TimePoint last_heard;
   struct Ask {
     std::uint64_t id = 0;
@@ -70,12 +77,13 @@ class WorkerTable {
     kSlot,   // a task that it computes at once
   };
   [[nodiscard]] Room RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const;
-  // Whether the worker has memory for one more task of this size: beside those it has, or, if no worker is large enough
-  // for it, alone.
+  // Whether the worker has memory for one more task of this size beside those it has.
   [[nodiscard]] bool HasMemory(const Worker& worker, std::uint64_t bytes) const;
-  // Whether any worker has all of the tags.
-  [[nodiscard]] bool AnyWith(const std::set<std::string>& tags) const;
-  // How many tasks all workers compute at a time.
+  // Whether all its leases are revoked ones.
+  [[nodiscard]] bool IsEmpty(const Worker& worker) const;
+  // Whether any worker takes tasks of a job with these tags.
+  [[nodiscard]] bool AnyFor(const std::set<std::string>& tags) const;
+  // How many tasks all workers compute at a time; those that are drained do not count.
   [[nodiscard]] std::size_t num_slots() const;
 
   [[nodiscard]] std::map<WorkerId, Worker>& workers() { return workers_; }

@@ -143,10 +143,20 @@ Result<ArtifactInfo> ArtifactStore::Put(const ArtifactKey& key, std::string_view
 Status ArtifactStore::PutVerified(const ArtifactInfo& info, std::string_view artifact) {
   const ArtifactKey& key = info.key;
   const std::uint64_t needed = FileBytes(info);
+  bool there_was_one = false;
   {
     const std::scoped_lock lock(mutex_);
+    const auto known = entries_.find(key);
+    there_was_one = known != entries_.end();
+    if (there_was_one && known->second.verified && known->second.info == info) {
+      Touch(known->second);
+      return {};
+    }
     Erase(key);
-    DEPTHFARM_RETURN_IF_ERROR(MakeRoom(needed));
+    if (const Status room = MakeRoom(needed); !room.ok()) {
+      if (there_was_one) dropped_.push_back(key);
+      return room;
+    }
     total_bytes_ += needed;  // reserved, so that nothing else takes the room while the file is written
   }
   const fs::path path = PathOf(key);
@@ -157,6 +167,7 @@ Status ArtifactStore::PutVerified(const ArtifactInfo& info, std::string_view art
   const std::scoped_lock lock(mutex_);
   if (!written.ok()) {
     total_bytes_ -= needed;
+    if (there_was_one) dropped_.push_back(key);
     return written;
   }
   if (const auto other = entries_.find(key); other != entries_.end()) {

@@ -22,9 +22,10 @@ struct FetchedAhead {
                                            const std::stop_token& stop);
 
 // Fetches the inputs of a task that the store does not hold, into the store. What cannot be had or stored is left to
-// the task, which will try again and say why. Returns soon after `stop` is requested.
+// the task, which will try again and say why. Returns soon after `stop` is requested, and
+// after the artifact under way when `enough` is.
 [[nodiscard]] FetchedAhead FetchAhead(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskSpec& spec,
-                                      const std::stop_token& stop);
+                                      const std::stop_token& stop, const std::stop_token& enough);
 
 }  // namespace depthfarm
 

@@ -128,7 +128,8 @@ TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config,
   TaskOutcome outcome;
   TaskInputs inputs(store_, cache_, fetcher_, stop);
   try {
-    const ArtifactPins pins = store_.Pin(KeysOf(spec));
+    outcome.pins = std::make_shared<std::vector<ArtifactPins>>();
+    outcome.pins->push_back(store_.Pin(KeysOf(spec)));
     outcome.status = Run({spec, config, stop, inputs}, outcome);
   } catch (const std::bad_alloc&) {
     outcome.status = Unavailable(TaskName(spec.id) + ": no memory left on this worker");
@@ -265,6 +266,7 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     const ArtifactKey key = AnalysisKey(view, params, digests);
     outcome.picture_digest = digests.picture;
     outcome.output_key = key;
+    outcome.pins->push_back(store_.Pin({key}));
     if (task.spec.known.has_value() && task.spec.known->artifact.key == key)
       outcome.stats.fetched_bytes = FetchIntoStore(store_, fetcher_, *task.spec.known, task.stop);
     if (const auto known = task.inputs.Find<ViewAnalysis>(key); known != nullptr) {

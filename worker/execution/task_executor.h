@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -28,6 +29,8 @@ struct TaskOutcome {
   std::optional<ContentDigest> picture_digest;  // Analyse
   std::vector<ArtifactKey> missing_inputs;      // inputs that could be had nowhere (kUnavailable)
   TaskStats stats;
+  // Keep what it made and read in the store until the coordinator was told of it.
+  std::shared_ptr<std::vector<ArtifactPins>> pins;
 };
 
 // Executes tasks of every kind, one at a time: inputs from memory, store or other workers, results into the store or

@@ -24,7 +24,7 @@ ComputePool::~ComputePool() {
 void ComputePool::Start(LeasedTask task) {
   {
     const std::scoped_lock lock(mutex_);
-    entries_.push_back({std::move(task), {}, Stage::kWaiting, {}});
+    entries_.push_back({std::move(task), {}, {}, Stage::kWaiting, {}});
   }
   changed_.notify_all();
 }
@@ -57,9 +57,11 @@ bool ComputePool::busy() const {
 }
 
 ComputePool::Entries::iterator ComputePool::NextToCompute() {
-  // One whose inputs are just being fetched is passed over: its place is kept, no slot waits for it.
-  return std::ranges::find_if(
-      entries_, [](const Entry& entry) { return entry.stage == Stage::kWaiting || entry.stage == Stage::kFetched; });
+  // In the order of their leases, by which the coordinator tells those that may have killed a worker.
+  const auto next = std::ranges::find_if(entries_, [](const Entry& each) { return each.stage != Stage::kComputing; });
+  if (next == entries_.end() || next->stage != Stage::kFetching) return next;
+  next->enough.request_stop();
+  return entries_.end();
 }
 
 ComputePool::Entries::iterator ComputePool::NextToFetch() {
@@ -107,7 +109,7 @@ void ComputePool::FetchInputs() {
     const auto entry = NextToFetch();
     entry->stage = Stage::kFetching;
     lock.unlock();
-    FetchedAhead fetched = fetch_(entry->task.spec, entry->stop.get_token());
+    FetchedAhead fetched = fetch_(entry->task.spec, entry->stop.get_token(), entry->enough.get_token());
     lock.lock();
     entry->fetched = std::move(fetched);
     entry->stage = Stage::kFetched;

@@ -36,7 +36,9 @@ class ComputePool {
  public:
   // Both are called in threads of the pool; Execute with the slot, 0 to slots - 1, which runs one task at a time.
   using Execute = std::function<TaskOutcome(int slot, const TaskSpec&, const JobConfig&, const std::stop_token&)>;
-  using Fetch = std::function<FetchedAhead(const TaskSpec&, const std::stop_token&)>;
+  // Fetch ends soon after `stop`, and after what it is at when `enough` is requested.
+  using Fetch =
+      std::function<FetchedAhead(const TaskSpec&, const std::stop_token& stop, const std::stop_token& enough)>;
   // `on_done` is called in some thread after each task, to say that there is an outcome to take.
   ComputePool(int slots, Execute execute, Fetch fetch, std::function<void()> on_done);
   // Stops all tasks and waits for them.
@@ -58,6 +60,7 @@ class ComputePool {
   struct Entry {
     LeasedTask task;
     std::stop_source stop;
+    std::stop_source enough;  // of its inputs: a slot waits for it
     Stage stage = Stage::kWaiting;
     FetchedAhead fetched;
   };

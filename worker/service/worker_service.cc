@@ -38,7 +38,15 @@ std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_strin
 }  // namespace
 
 Result<std::string> PeerFetcher::Fetch(const TaskInput& input, const std::stop_token& stop) {
-  return client_.Fetch(input.artifact, input.locations, stop);
+  const KeyLocks::Lock lock = under_way_.Take(input.artifact.key);
+  if (store_.Find(input.artifact.key) == input.artifact) {
+    Result<std::string> bytes = store_.Get(input.artifact.key);
+    if (bytes.ok()) return bytes;
+  }
+  Result<std::string> bytes = client_.Fetch(input.artifact, input.locations, stop);
+  // A store too full to keep a copy is no reason to fail: the task has what it needs.
+  if (bytes.ok()) (void)store_.PutVerified(input.artifact, *bytes).ok();
+  return bytes;
 }
 
 Result<std::unique_ptr<WorkerService>> WorkerService::Create(const WorkerOptions& options) {
@@ -84,8 +92,8 @@ Status WorkerService::Open() {
       [this](int slot, const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
         return executors_[static_cast<std::size_t>(slot)]->Execute(spec, config, stop);
       },
-      [this](const TaskSpec& spec, const std::stop_token& stop) {
-        return FetchAhead(*store_, *fetchers_.back(), spec, stop);
+      [this](const TaskSpec& spec, const std::stop_token& stop, const std::stop_token& enough) {
+        return FetchAhead(*store_, *fetchers_.back(), spec, stop, enough);
       },
       [this] { poller_.Wake(); });
   return {};
@@ -107,8 +115,8 @@ Status WorkerService::OpenArtifacts(const std::optional<WorkerKeys>& keys) {
   fetch.max_artifact_bytes = options_.cache_bytes;
   cache_ = std::make_unique<MemoryCache>(options_.memory_bytes);
   for (int i = 0; i <= options_.slots; ++i) {
-    fetchers_.push_back(
-        std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch)));
+    fetchers_.push_back(std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch),
+                                                      *store_, under_way_));
   }
   for (int slot = 0; slot < options_.slots; ++slot) {
     executors_.push_back(

@@ -89,7 +89,7 @@ TEST(ChoicesOf, KnowsTheReasonsOfOtherChoices) {
   const std::vector<Choice> choices = ChoicesOf({}, job);
   EXPECT_THAT(choices[1].reason, HasSubstr("quarter of a pixel"));
   EXPECT_EQ(choices[2].value, "4, P frames 2");
-  EXPECT_THAT(choices[2].reason, HasSubstr("320 MB"));
+  EXPECT_THAT(choices[2].reason, HasSubstr("350 MB"));
   job.params.gop = 1;
   EXPECT_EQ(ChoicesOf({}, job)[2].value, "4");
   EXPECT_THAT(ChoicesOf({}, job)[3].reason, HasSubstr("every frame is an I frame"));

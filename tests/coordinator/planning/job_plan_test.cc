@@ -225,7 +225,7 @@ TEST(JobPlan, AJobTooLongForItsManifestIsRefused) {
 }
 
 TEST(JobPlan, AGopTooLargeForMemoryIsRefused) {
-  ResolvedJob job = MakePlannedJob({.frames = 150'000, .views = 2, .refine = 4}).config.resolved;
+  ResolvedJob job = MakePlannedJob({.frames = 8'000, .views = 2, .refine = 4}).config.resolved;
   EXPECT_TRUE(CheckPlannable(job).ok());
   job.params.gop = job.num_frames;
   EXPECT_THAT(CheckPlannable(job).message(), testing::HasSubstr("choose a smaller --gop"));

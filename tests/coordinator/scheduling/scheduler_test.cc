@@ -561,6 +561,52 @@ TEST(Scheduler, AWorkerGetsNoMoreTasksThanItsMemoryHolds) {
   EXPECT_EQ(farm.At(large).running.size(), 3U);
 }
 
+TEST(Scheduler, AFailureOnTheOnlyWorkerThatTakesATaskDoesNotStopIt) {
+  FakeFarm farm;
+  farm.JoinAndAsk();
+  const WorkerId tagged = farm.Join();
+  farm.At(tagged).tags = {"fast"};
+  farm.At(tagged).memory_bytes = 1;  // too small, but there is no larger one with the tag
+  farm.Rejoin(tagged);
+  farm.Ask(tagged);
+  farm.Submit(MakePlannedJob({}), 0, {"fast"});
+  farm.Fail(tagged, Internal("by chance"));
+  farm.RunToTheEnd();
+  EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kDone);
+  EXPECT_EQ(farm.ended.at(JobId(1)).retries, 1U);
+}
+
+TEST(Scheduler, AJobThatNobodyTakesDoesNotKeepOthersWaiting) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.id = 1, .frames = 20, .gop = 1, .views = 8}), 5, {"nowhere"});
+  farm.Submit(MakePlannedJob({.id = 2, .frames = 20, .gop = 1}));
+  farm.JoinAndAsk(2, 1);
+  for (int step = 0; step < 10'000 && !farm.ended.contains(JobId(2)); ++step) {
+    for (auto& [id, worker] : farm.workers) {
+      if (!worker.running.empty()) farm.Finish(id);
+    }
+  }
+  EXPECT_TRUE(farm.ended.contains(JobId(2)));
+}
+
+TEST(Scheduler, ALargeTaskIsNotPassedOverForever) {
+  FakeFarm farm;
+  const PlannedJob large = MakePlannedJob({.id = 1, .frames = 3, .gop = 1, .views = 8, .blocks_i = 1});
+  const PlannedJob small = MakePlannedJob({.id = 2, .frames = 200, .gop = 1, .views = 1, .blocks_i = 1});
+  const std::uint64_t most =
+      CostModel(large.config.resolved).Of({JobId(1), 0, TaskKind::kEstimate, 0, 0}).peak_memory_bytes;
+  const WorkerId worker = farm.Join(4);
+  farm.At(worker).memory_bytes = most + (most >> 3U);
+  farm.Rejoin(worker);
+  farm.Submit(small);
+  farm.Submit(large, 3);
+  farm.Ask(worker);
+  int steps = 0;
+  for (; steps < 200 && !farm.ended.contains(JobId(1)); ++steps) farm.Finish(worker);
+  EXPECT_TRUE(farm.ended.contains(JobId(1)));
+  EXPECT_LT(steps, 100);
+}
+
 TEST(Scheduler, ATaskThatIsTooLargeForAllRunsAlone) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.frames = 2, .gop = 1, .views = 4}));

@@ -80,8 +80,17 @@ TEST_F(ArtifactStoreTest, KeepsWhatItsCallerHasVerifiedUnderThatDigest) {
   EXPECT_EQ(store_->Find(Key(1)), info);
   EXPECT_EQ(store_->Get(Key(1)).value(), "one");
   // A caller that was wrong is found out.
-  ASSERT_TRUE(store_->PutVerified(info, "two").ok());
-  EXPECT_EQ(store_->Get(Key(1)).status().code(), ErrorCode::kCorrupt);
+  ASSERT_TRUE(store_->PutVerified({Key(2), 3, Sha256("one")}, "two").ok());
+  EXPECT_EQ(store_->Get(Key(2)).status().code(), ErrorCode::kCorrupt);
+}
+
+TEST_F(ArtifactStoreTest, KeepsTheFileOfWhatIsPutAgain) {
+  Open(kPlenty);
+  const ArtifactInfo info{Key(1), 3, Sha256("one")};
+  ASSERT_TRUE(store_->PutVerified(info, "one").ok());
+  ASSERT_TRUE(store_->PutVerified(info, "one, which is not read again").ok());
+  EXPECT_EQ(store_->Get(Key(1)).value(), "one");
+  EXPECT_TRUE(store_->TakeDropped().empty());
 }
 
 TEST_F(ArtifactStoreTest, KeepsAnEmptyArtifact) {

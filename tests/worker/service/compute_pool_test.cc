@@ -22,8 +22,11 @@ class ComputePoolTest : public testing::Test {
         [this](int slot, const TaskSpec& spec, const JobConfig&, const std::stop_token& stop) {
           return Run(slot, spec, stop);
         },
-        [this](const TaskSpec& spec, const std::stop_token&) {
+        [this](const TaskSpec& spec, const std::stop_token&, const std::stop_token& enough) {
           Note("fetch " + std::to_string(spec.id.frame));
+          std::unique_lock lock(mutex_);
+          const std::stop_callback woken(enough, [this] { changed_.notify_all(); });
+          changed_.wait(lock, [&] { return !fetches_wait_ || enough.stop_requested(); });
           return FetchedAhead{.bytes = 7, .pins = {}};
         },
         [this] { outcomes_.release(); });
@@ -67,6 +70,7 @@ class ComputePoolTest : public testing::Test {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::set<int> free_;
+  bool fetches_wait_ = false;
   std::vector<std::string> notes_;
   std::array<std::atomic<int>, 4> running_in_{};
   std::counting_semaphore<> outcomes_{0};
@@ -86,6 +90,20 @@ TEST_F(ComputePoolTest, FetchesForATaskThatWaitsAndRunsItNext) {
   EXPECT_EQ(second.lease, LeaseId(2));
   EXPECT_EQ(second.outcome.stats.fetched_bytes, 7U);
   EXPECT_FALSE(pool_->busy());
+}
+
+TEST_F(ComputePoolTest, RunsTasksInOrderAlsoIfOneIsFetchedFor) {
+  fetches_wait_ = true;
+  Open(1);
+  Start(1);
+  (void)AwaitNotes(1);
+  Start(2);
+  (void)AwaitNotes(2);
+  Start(3);
+  Free(1);  // the slot asks that the fetch for 2 ends, and does not take 3
+  Free(2);
+  Free(3);
+  for (const std::uint64_t lease : {1, 2, 3}) EXPECT_EQ(NextOutcome().lease, LeaseId(lease));
 }
 
 TEST_F(ComputePoolTest, RunsAsManyAsItHasSlots) {
