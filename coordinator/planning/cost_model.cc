@@ -44,7 +44,7 @@ constexpr double kMergeLevel = 5.5 * kNano;
 // So much of an I frame's work a P frame's search takes, and each of its rounds of refinement: what moves has jumps
 // around it.
 constexpr double kChangedShare = 0.12;
-constexpr double kRefinedShare = 0.42;
+constexpr double kRefinedShare = 0.2;
 
 // Refine, a pixel and a view it is compared with. A round of choice looks closer at pixels near jumps; there are as
 // many as jumps are long, which grows with the root of the pixels.
