@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
+#include <memory>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "coordinator/forecast/critical_path.h"
 #include "coordinator/forecast/list_schedule.h"
@@ -53,11 +55,18 @@ int FramesToPlay(const ResolvedJob& job, std::uint64_t most_tasks) {
   return std::min(job.num_frames, std::max({2, whole > 0 ? whole : fit}));
 }
 
-// Half of the frames that are played, whole GOPs if there are two.
-int HalfOf(const ResolvedJob& job, int frames) {
-  const int half = frames / 2;
-  const int whole = half - half % job.params.gop;
-  return std::max(1, whole > 0 ? whole : half);
+// From half of the frames that are played to all of them, in steps of whole GOPs if there are two.
+std::vector<int> LengthsToPlay(const ResolvedJob& job, int frames) {
+  constexpr int kMostLengths = 4;
+  const int unit = frames / 2 >= job.params.gop ? job.params.gop : 1;
+  const int steps = std::clamp((frames - frames / 2) / unit, 1, kMostLengths - 1);
+  std::vector<int> lengths;
+  for (int step = steps; step >= 0; --step) {
+    const int less = frames / 2 * step / steps;
+    lengths.push_back(std::max(1, frames - (less + unit - 1) / unit * unit));
+  }
+  lengths.erase(std::unique(lengths.begin(), lengths.end()), lengths.end());
+  return lengths;
 }
 
 // Exact sums: I frames are alike, and so are P frames, but for the first one of a GOP, which finds the I frame and the
@@ -98,52 +107,68 @@ std::vector<StageForecast> Stages(const ResolvedJob& job) {
   return listed;
 }
 
-// Plays the first frames of a job through and goes on from there.
+// Plays the first frames of a job through, of a longer job some lengths of them, and goes on at their pace.
 class Extrapolation {
  public:
   Extrapolation(const ResolvedJob& job, int played_frames) : job_(job), played_frames_(played_frames) {
-    part_.emplace(job, played_frames);
-    if (played_frames == job.num_frames) return;
-    half_frames_ = HalfOf(job, played_frames);
-    half_.emplace(job, half_frames_);
+    if (played_frames < job.num_frames) lengths_ = LengthsToPlay(job, played_frames);
+    if (lengths_.empty()) lengths_ = {played_frames};
+    for (const int frames : lengths_) parts_.push_back(std::make_unique<Part>(job, frames));
   }
 
-  [[nodiscard]] const TaskGraph& graph() const { return part_->graph; }
+  [[nodiscard]] const TaskGraph& graph() const { return parts_.back()->graph; }
 
   [[nodiscard]] FarmForecast On(int workers) const {
-    const ListSchedule all = PlayThrough(part_->graph, workers);
-    if (!half_) return {workers, all.wall_seconds, all.cpu_seconds, all.moved_bytes};
-    const ListSchedule some = PlayThrough(half_->graph, workers);
-    const auto go_on = [&](auto some_figure, auto all_figure) {
-      return GoOn(static_cast<double>(some_figure), static_cast<double>(all_figure), job_.num_frames);
-    };
+    std::vector<double> wall;
+    std::vector<double> cpu;
+    std::vector<double> moved;
+    for (const auto& part : parts_) {
+      const ListSchedule played = PlayThrough(part->graph, workers);
+      wall.push_back(played.wall_seconds);
+      cpu.push_back(played.cpu_seconds);
+      moved.push_back(static_cast<double>(played.moved_bytes));
+    }
     FarmForecast farm;
     farm.workers = workers;
-    farm.cpu_seconds = go_on(some.cpu_seconds, all.cpu_seconds);
-    farm.moved_bytes = static_cast<std::uint64_t>(std::max(0.0, go_on(some.moved_bytes, all.moved_bytes)));
-    // Half of the frames may not have kept all workers busy, so that the pace seems better than it can be.
-    farm.wall_seconds = std::max(go_on(some.wall_seconds, all.wall_seconds), farm.cpu_seconds / workers);
+    farm.cpu_seconds = GoOn(cpu, job_.num_frames);
+    farm.moved_bytes = static_cast<std::uint64_t>(std::max(0.0, GoOn(moved, job_.num_frames)));
+    // The first frames may not have kept all workers busy, so that the pace seems better than it can be.
+    farm.wall_seconds = GoOn(wall, job_.num_frames);
+    if (parts_.size() > 1) farm.wall_seconds = std::max(farm.wall_seconds, farm.cpu_seconds / workers);
     return farm;
   }
 
   // Of the critical path. GOPs do not wait for each other: more of them make no chain longer.
-  [[nodiscard]] double LeastSeconds(const CriticalPath& of_part) const {
+  [[nodiscard]] double LeastSeconds(const CriticalPath& of_played) const {
     const int gop_frames = std::min(job_.params.gop, job_.num_frames);
-    if (!half_ || played_frames_ >= gop_frames) return of_part.seconds;
-    return GoOn(FindCriticalPath(half_->graph).seconds, of_part.seconds, gop_frames);
+    if (parts_.size() == 1 || played_frames_ >= gop_frames) return of_played.seconds;
+    std::vector<double> seconds;
+    for (const auto& part : parts_) seconds.push_back(FindCriticalPath(part->graph).seconds);
+    return GoOn(seconds, gop_frames);
   }
 
  private:
-  // A figure of half the frames and of all that were played, at the pace between them up to `frames`.
-  [[nodiscard]] double GoOn(double of_half, double of_played, int frames) const {
-    return of_played + (of_played - of_half) / (played_frames_ - half_frames_) * (frames - played_frames_);
+  // What a figure of each length is for `frames`: on the straight line nearest to them (least squares), since single
+  // lengths end with workers that idle for more or less long.
+  [[nodiscard]] double GoOn(const std::vector<double>& figures, int frames) const {
+    if (figures.size() == 1) return figures.front();
+    const auto count = static_cast<double>(figures.size());
+    const double mean_length = std::accumulate(lengths_.begin(), lengths_.end(), 0.0) / count;
+    const double mean = std::accumulate(figures.begin(), figures.end(), 0.0) / count;
+    double products = 0;
+    double squares = 0;
+    for (std::size_t i = 0; i < figures.size(); ++i) {
+      const double from_mean = lengths_[i] - mean_length;
+      products += from_mean * (figures[i] - mean);
+      squares += from_mean * from_mean;
+    }
+    return mean + products / squares * (frames - mean_length);
   }
 
   const ResolvedJob& job_;
   const int played_frames_;
-  int half_frames_ = 0;
-  std::optional<Part> part_;
-  std::optional<Part> half_;  // none when all frames were played
+  std::vector<int> lengths_;                  // ascending, the last one played_frames
+  std::vector<std::unique_ptr<Part>> parts_;  // of each
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "coordinator/scheduling/placement.h"
 #include "coordinator/scheduling/scheduler.h"
 #include "coordinator/scheduling/task_table.h"
 
@@ -14,8 +15,6 @@ namespace depthfarm {
 namespace {
 
 using Index = TaskGraph::Index;
-
-constexpr std::size_t kMaxCandidates = 16;  // as many as the scheduler's locality looks at
 
 // One bit for each worker.
 class WorkerSets {

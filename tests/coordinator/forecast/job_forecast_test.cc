@@ -77,8 +77,7 @@ TEST(Forecast, ExtrapolatesLongJobs) {
       ASSERT_FALSE(whole.extrapolated());
       ASSERT_TRUE(part.extrapolated());
       EXPECT_EQ(part.played_frames % std::min(shape.gop, part.played_frames), 0);
-      // On many workers the ends of a part weigh more than those of the whole.
-      EXPECT_NEAR(part.farms[0].wall_seconds / whole.farms[0].wall_seconds, 1, 0.1) << workers;
+      EXPECT_NEAR(part.farms[0].wall_seconds / whole.farms[0].wall_seconds, 1, 0.05) << workers;
       EXPECT_NEAR(part.farms[0].cpu_seconds / whole.farms[0].cpu_seconds, 1, 0.03) << workers;
       EXPECT_NEAR(part.critical_seconds / whole.critical_seconds, 1, 0.03) << workers;
       if (workers > 1) {
