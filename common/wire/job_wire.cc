@@ -130,6 +130,7 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
   proto.set_uniqueness(static_cast<std::uint32_t>(params.uniqueness));
   proto.set_snic_compactness(params.snic_compactness);
   proto.set_gop(static_cast<std::uint32_t>(params.gop));
+  proto.set_one_gop(params.gop == 0);
   proto.set_p_threshold(static_cast<std::uint32_t>(params.p_threshold));
   proto.set_i_threshold(static_cast<std::uint32_t>(params.i_threshold));
   proto.set_level_blocks(static_cast<std::uint32_t>(params.level_blocks));
@@ -167,6 +168,10 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
   DEPTHFARM_RETURN_IF_ERROR(read("uniqueness", proto.uniqueness(), params.uniqueness));
   params.snic_compactness = proto.snic_compactness();
   DEPTHFARM_RETURN_IF_ERROR(read("gop", proto.gop(), params.gop));
+  if (proto.one_gop() != (params.gop == 0)) {
+    return InvalidArgument("gop is " + std::to_string(params.gop) + (proto.one_gop() ? " and" : " and not") +
+                           " one for all frames, expected at least 1 or that");
+  }
   DEPTHFARM_RETURN_IF_ERROR(read("p-threshold", proto.p_threshold(), params.p_threshold));
   DEPTHFARM_RETURN_IF_ERROR(read("i-threshold", proto.i_threshold(), params.i_threshold));
   DEPTHFARM_RETURN_IF_ERROR(read("level-blocks", proto.level_blocks(), params.level_blocks));

@@ -1,5 +1,6 @@
 #include "common/wire/job_wire.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -210,7 +211,9 @@ TEST(ParamsWire, HostileValuesAreRefused) {
     return FromProto(proto).status().code() == ErrorCode::kInvalidArgument;
   };
   EXPECT_TRUE(refused([](auto& p) { p.set_segments(4'294'967'295U); }));
+  EXPECT_TRUE(refused([](auto& p) { p.set_gop(0); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_gop(2'000'000); }));
+  EXPECT_TRUE(refused([](auto& p) { p.set_one_gop(true); }));  // and a length
   EXPECT_TRUE(refused([](auto& p) { p.set_smoothing(kNaN); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_z_near(kNaN); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_z_far(kInfinity); }));
@@ -225,6 +228,18 @@ TEST(ParamsWire, HostileValuesAreRefused) {
   EXPECT_TRUE(refused([](auto& p) { p.add_views("../x"); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("cam0"); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_end_frame(-2); }));
+}
+
+TEST(ParamsWire, OneGopForAllFramesComesBack) {
+  EstimationParams params = TestParams();
+  params.gop = 0;
+  EXPECT_EQ(FromProto(ToProto(params)).value(), params);
+}
+
+TEST(JobConfigWire, AResolvedJobHasAGopOfFrames) {
+  JobConfig config = TestConfig();
+  config.resolved.params.gop = 0;
+  EXPECT_THAT(FromProto(ToProto(config)).status().message(), testing::HasSubstr("gop"));
 }
 
 TEST(JobConfigWire, EveryFieldComesBack) {
