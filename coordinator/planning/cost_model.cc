@@ -77,8 +77,7 @@ constexpr double kConfidencePixelStored = 1.15;
 constexpr double kDepthPixelStored = 1.1;
 constexpr double kLevelPixelStored = 0.33;
 
-// Memory of a worker, bytes. The process itself, with its libraries, takes 52 MiB.
-constexpr double kProcess = 52 * kMebi;
+// Memory of a worker beside that of the process, bytes.
 constexpr double kAnalysisPixel = 8;     // colour, segment
 constexpr double kAnalysisSegment = 48;  // centre, mean, three neighbours
 constexpr double kRefinedPixel = 4;
@@ -102,7 +101,7 @@ double PixelsOf(const JobView& view) {
 double AnalysisBytes(double pixels, double segments) { return kAnalysisPixel * pixels + kAnalysisSegment * segments; }
 
 TaskCost Cost(double seconds, double memory, double result) {
-  return {seconds, static_cast<std::uint64_t>(kProcess + memory), static_cast<std::uint64_t>(result)};
+  return {seconds, kProcessMemoryBytes + static_cast<std::uint64_t>(memory), static_cast<std::uint64_t>(result)};
 }
 
 }  // namespace

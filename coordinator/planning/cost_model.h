@@ -1,9 +1,7 @@
 #ifndef DEPTHFARM_COORDINATOR_PLANNING_COST_MODEL_H_
 #define DEPTHFARM_COORDINATOR_PLANNING_COST_MODEL_H_
 
-#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "common/job/resolved_job.h"
 #include "common/job/task.h"
@@ -13,10 +11,13 @@ namespace depthfarm {
 // The processor that predicted seconds are of: the one that docs/benchmarks.md was measured on.
 inline constexpr const char* kCostMachine = "one core of a server of the early 2020s (AMD EPYC), release build";
 
+// Memory of a worker process with its libraries, before it has any task.
+inline constexpr std::uint64_t kProcessMemoryBytes = std::uint64_t{52} << 20;
+
 // What a task is expected to take, before anything has run.
 struct TaskCost {
   double seconds = 0;                   // CPU of one core (kCostMachine), its inputs in memory
-  std::uint64_t peak_memory_bytes = 0;  // of a worker process that holds nothing but what the task reads and makes
+  std::uint64_t peak_memory_bytes = 0;  // of a worker process (kProcessMemoryBytes) with nothing but this task
   std::uint64_t result_bytes = 0;       // as stored: of the artifact; Emit: of the files
   bool operator==(const TaskCost&) const = default;
 };

@@ -47,10 +47,10 @@ bool ArtifactDirectory::Holds(WorkerId worker, const ArtifactKey& key) const {
   return entry != entries_.end() && entry->second.holders.contains(worker);
 }
 
-std::vector<WorkerId> ArtifactDirectory::Holders(const ArtifactKey& key) const {
+const std::set<WorkerId>& ArtifactDirectory::Holders(const ArtifactKey& key) const {
+  static const std::set<WorkerId> kNobody;
   const auto entry = entries_.find(key);
-  if (entry == entries_.end()) return {};
-  return {entry->second.holders.begin(), entry->second.holders.end()};
+  return entry == entries_.end() ? kNobody : entry->second.holders;
 }
 
 std::vector<ArtifactKey> ArtifactDirectory::KeysOf(WorkerId worker) const {

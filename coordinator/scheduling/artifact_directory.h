@@ -27,7 +27,7 @@ class ArtifactDirectory {
   [[nodiscard]] const ArtifactInfo* Find(const ArtifactKey& key) const;
   [[nodiscard]] bool Holds(WorkerId worker, const ArtifactKey& key) const;
   [[nodiscard]] std::vector<ArtifactKey> KeysOf(WorkerId worker) const;
-  [[nodiscard]] std::vector<WorkerId> Holders(const ArtifactKey& key) const;
+  [[nodiscard]] const std::set<WorkerId>& Holders(const ArtifactKey& key) const;
 
   [[nodiscard]] std::uint64_t Count(WorkerId worker) const;
   [[nodiscard]] std::uint64_t Bytes(WorkerId worker) const;

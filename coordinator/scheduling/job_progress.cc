@@ -17,7 +17,8 @@ std::string StagingName(int frame, int attempt, LeaseId lease) {
 }  // namespace
 
 std::vector<WorkerId> HoldersToTell(const ArtifactDirectory& directory, const ArtifactKey& key, LeaseId lease) {
-  std::vector<WorkerId> holders = directory.Holders(key);
+  const std::set<WorkerId>& all = directory.Holders(key);
+  std::vector<WorkerId> holders(all.begin(), all.end());
   if (holders.empty()) return holders;
   // Different tasks begin with different holders, so that one worker does not serve them all.
   const std::size_t shift = static_cast<std::size_t>(lease.value() % holders.size());
@@ -89,8 +90,9 @@ void JobProgress::Activate(const TaskId& id) {
     table_.SetState(id, TaskState::kBlocked);
     return;
   }
-  if (const std::optional<ArtifactKey> key = OutputKey(id, BoundInputs(id))) {
-    if (const ArtifactInfo* artifact = directory_.Find(*key)) {
+  task->work = id.kind == TaskKind::kAnalyse ? AnalysisRequest(id) : OutputKey(id, BoundInputs(id));
+  if (task->work && id.kind != TaskKind::kAnalyse) {
+    if (const ArtifactInfo* artifact = directory_.Find(*task->work)) {
       SetArtifact(id, *artifact);
       ++Stage(id.kind).reused;
       MarkDone(id);
@@ -193,8 +195,7 @@ std::optional<ArtifactKey> JobProgress::OutputKey(const TaskId& id, const std::v
   return keys_.Estimate(plan_.resolved().NumBlocks(id.frame), id.index, keys);
 }
 
-std::optional<ArtifactKey> JobProgress::WorkOf(const TaskId& id) const {
-  if (id.kind != TaskKind::kAnalyse) return OutputKey(id, BoundInputs(id));
+ArtifactKey JobProgress::AnalysisRequest(const TaskId& id) const {
   const PlannedJob& job = plan_.job();
   const auto view = static_cast<std::size_t>(id.index);
   const auto frame = static_cast<std::size_t>(id.frame);

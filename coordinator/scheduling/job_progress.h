@@ -44,11 +44,12 @@ class JobProgress {
   [[nodiscard]] int num_open_gops() const { return static_cast<int>(open_gops_.size()); }
   void OpenNextGop();
 
-  // What names the work of a task whose prerequisites are done: its output key, of Analyse its request; of other kinds
-  // nothing.
-  [[nodiscard]] std::optional<ArtifactKey> WorkOf(const TaskId& id) const;
-  // That the task is expected to take (CostModel).
-  [[nodiscard]] std::uint64_t MemoryOf(const TaskId& id) const { return costs_.Of(id).peak_memory_bytes; }
+  // What names the work of a task that became ready: its output key, of Analyse its request; of other kinds nothing.
+  [[nodiscard]] const std::optional<ArtifactKey>& WorkOf(const TaskId& id) const { return table_.Find(id)->work; }
+  // That the task is expected to take (CostModel), beside the process.
+  [[nodiscard]] std::uint64_t MemoryOf(const TaskId& id) const {
+    return costs_.Of(id).peak_memory_bytes - kProcessMemoryBytes;
+  }
   // Leases a ready task, if its inputs are still there; else it (or what it needs) is put back and the result is empty.
   [[nodiscard]] std::optional<GrantedTask> Take(const TaskId& id, LeaseId lease);
   // A leased task goes back to be done again; nothing for a task that is not leased.
@@ -106,6 +107,7 @@ class JobProgress {
   void ForgetProducer(const TaskId& id, const ArtifactKey& key);
   [[nodiscard]] std::vector<TaskInput> BoundInputs(const TaskId& id) const;
   [[nodiscard]] std::optional<ArtifactKey> OutputKey(const TaskId& id, const std::vector<TaskInput>& inputs) const;
+  [[nodiscard]] ArtifactKey AnalysisRequest(const TaskId& id) const;
   [[nodiscard]] TaskSpec Spec(const TaskId& id) const;
   [[nodiscard]] Status CheckResult(const TaskFinished& result, const Task& task) const;
   [[nodiscard]] StageSnapshot& Stage(TaskKind kind) { return stages_[static_cast<std::size_t>(kind)]; }

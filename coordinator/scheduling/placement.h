@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_COORDINATOR_SCHEDULING_PLACEMENT_H_
 #define DEPTHFARM_COORDINATOR_SCHEDULING_PLACEMENT_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -11,12 +12,16 @@
 
 namespace depthfarm {
 
+// Locality chooses among at most so many equally urgent tasks: more would cost time and gain little.
+inline constexpr std::size_t kMaxCandidates = 16;
+
 // A ready task that is as urgent as the others of its span.
 struct TaskCandidate {
   TaskId task;
   std::map<WorkerId, std::uint64_t> local_bytes;  // how much of its inputs a worker holds
-  std::set<WorkerId> avoid = {};  // without its tags, not large enough; or it failed there, if there are others
-  std::set<WorkerId> full = {};   // large enough, but not beside the tasks it has
+  // Of the free ones: not large enough, held for another task; or it failed there, if there are others.
+  std::set<WorkerId> avoid = {};
+  std::set<WorkerId> full = {};  // large enough, but not beside the tasks it has
 };
 
 struct Placement {

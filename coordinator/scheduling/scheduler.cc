@@ -15,8 +15,9 @@ Scheduler::Scheduler(const SchedulerOptions& options) : options_(options), next_
 
 std::vector<Action> Scheduler::Handle(const Event& event, TimePoint now) {
   now_ = now;
+  idle_ = false;
   std::visit([this](const auto& typed) { On(typed); }, event);
-  Advance();
+  if (!idle_) Advance();
   return std::exchange(actions_, {});
 }
 
@@ -39,7 +40,7 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
     if (lease.revoked) continue;
     AddNote(Note::Severity::kWarning, "lease_expired",
             {{"task", TaskName(lease.task)}, {"lease", Number(id.value())}, {"worker", Number(lease.worker.value())}});
-    actions_.emplace_back(Revoke{lease.worker, id});
+    Add(Revoke{lease.worker, id});
     CountFailure(lease.task, lease.worker, {ErrorCode::kLeaseExpired, "the lease ran out"});
   }
   Advance();
@@ -65,7 +66,7 @@ void Scheduler::On(const WorkerJoined& event) {
     if (!ended.revoked && job != nullptr) job->progress->PutBack(ended.task);  // the grant never arrived
   }
   for (const LeaseId id : running) {
-    if (!worker.leases.contains(id)) actions_.emplace_back(Revoke{event.worker, id});
+    if (!worker.leases.contains(id)) Add(Revoke{event.worker, id});
   }
 
   std::set<ArtifactKey> held;
@@ -79,12 +80,17 @@ void Scheduler::On(const WorkerJoined& event) {
   LoseArtifacts(lost);
 }
 
-void Scheduler::EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running) {
+bool Scheduler::EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running) {
+  if (worker.revoked == 0) return false;
+  bool ended = false;
   const std::set<LeaseId> leases = worker.leases;
   for (const LeaseId id : leases) {
     const bool running = std::find(still_running.begin(), still_running.end(), id) != still_running.end();
-    if (!running && workers_.FindLease(id)->revoked) workers_.EndLease(id);
+    if (running || !workers_.FindLease(id)->revoked) continue;
+    workers_.EndLease(id);
+    ended = true;
   }
+  return ended;
 }
 
 void Scheduler::On(const WorkerAsked& event) {
@@ -92,7 +98,7 @@ void Scheduler::On(const WorkerAsked& event) {
   if (worker == nullptr) return;
   worker->last_heard = now_;
   worker->ask = Worker::Ask{event.ask_id, now_};
-  EndRevokedLeases(*worker, event.running);
+  (void)EndRevokedLeases(*worker, event.running);
 }
 
 void Scheduler::On(const WorkerHeard& event) {
@@ -108,8 +114,8 @@ void Scheduler::On(const WorkerHeard& event) {
       lease->expires = now_ + options_.lease;
     }
   }
-  EndRevokedLeases(*worker, event.running);
-  actions_.emplace_back(std::move(answer));
+  idle_ = !EndRevokedLeases(*worker, event.running);
+  Add(std::move(answer));
 }
 
 std::optional<Lease> Scheduler::EndLeaseOf(WorkerId worker, LeaseId id, const TaskId& task) {
@@ -178,7 +184,7 @@ void Scheduler::On(const ArtifactsDropped& event) {
 void Scheduler::On(const WorkerDrained& event) {
   Worker* worker = workers_.Find(event.worker);
   if (worker == nullptr || worker->draining) return;
-  worker->draining = true;
+  workers_.Drain(event.worker);
   AddNote(Note::Severity::kInfo, "worker_drained", {{"worker", Number(event.worker.value())}, {"name", worker->name}});
 }
 
@@ -196,7 +202,7 @@ void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
   workers_.Remove(id);
   AddNote(lost == nullptr ? Note::Severity::kInfo : Note::Severity::kWarning,
           lost == nullptr ? "worker_left" : "worker_lost", {{"worker", Number(id.value())}, {"name", name}});
-  if (lost != nullptr) actions_.emplace_back(WorkerLost{id, name});
+  if (lost != nullptr) Add(WorkerLost{id, name});
   LoseArtifacts(directory_.RemoveWorker(id));
   // A worker begins its tasks in the order of their leases: those behind its slots can't be what killed it.
   int computing = 0;
@@ -273,9 +279,11 @@ std::vector<WorkerSnapshot> Scheduler::Workers() const {
   return snapshots;
 }
 
+void Scheduler::Add(Action action) { actions_.push_back(std::move(action)); }
+
 void Scheduler::AddNote(Note::Severity severity, std::string event,
                         std::vector<std::pair<std::string, std::string>> fields) {
-  actions_.emplace_back(Note{severity, std::move(event), std::move(fields)});
+  Add(Note{severity, std::move(event), std::move(fields)});
 }
 
 }  // namespace depthfarm

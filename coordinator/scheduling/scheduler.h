@@ -64,6 +64,7 @@ class Scheduler {
     std::string name;
     int priority = 0;
     std::set<std::string> tags;    // that a worker must have
+    bool taken = false;            // whether any worker takes its tasks
     std::uint64_t last_grant = 0;  // number of its newest lease
     TimePoint submitted;
     std::unique_ptr<JobProgress> progress;
@@ -89,7 +90,7 @@ class Scheduler {
   // The lease of a result, ended; null (and a note) if it is not the worker's any more.
   [[nodiscard]] std::optional<Lease> EndLeaseOf(WorkerId worker, LeaseId lease, const TaskId& task);
   void RemoveWorker(Worker& worker, const Status* lost);
-  void EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running);
+  bool EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running);
   void AddArtifact(WorkerId worker, const ArtifactInfo& artifact, JobId job, const std::string& made_by);
   void LoseArtifacts(const std::vector<ArtifactKey>& keys);
   void AddViolation(JobId job, const ArtifactKey& key, const std::string& made_by);
@@ -103,17 +104,22 @@ class Scheduler {
   void ReleaseArtifactsOf(JobRecord& job);
   void AdvanceEndings();
   void EndDrainedWorkers();
+  void UpdateTaken();
   void OpenGops();
   void Assign();
   // All jobs, next to be served first.
   [[nodiscard]] std::vector<JobId> JobsInFairOrder() const;
-  // The inputs of a ready task that somebody holds; of Analyse what it made when it was done before, which may be what
-  // it will make.
-  [[nodiscard]] std::vector<ArtifactInfo> InputsOrHint(const JobRecord& job, const TaskId& task) const;
-  [[nodiscard]] std::optional<ArtifactInfo> HintOf(const JobRecord& job, const TaskId& task) const;
-  [[nodiscard]] TaskCandidate CandidateOf(JobRecord& job, const TaskId& task) const;
-  // Takes a worker off the list that one of the tasks waits for: with less urgent ones it would never have the memory.
-  static void HoldForMemory(const std::vector<TaskCandidate>& candidates, std::vector<WorkerId>& free_workers);
+  // Of Analyse what such a task made when it was done before, if somebody holds it.
+  [[nodiscard]] std::optional<ArtifactInfo> KnownOf(const JobRecord& job, const TaskId& task) const;
+  void AddHolders(const ArtifactInfo& artifact, const std::vector<WorkerId>& free_workers,
+                  TaskCandidate& candidate) const;
+  // Work: of the free workers alone, unless one of them is too small or the task failed before.
+  [[nodiscard]] TaskCandidate CandidateOf(JobRecord& job, const TaskId& task,
+                                          const std::vector<WorkerId>& free_workers) const;
+  [[nodiscard]] std::vector<WorkerId> WhoTakes(const JobRecord& job, const std::vector<WorkerId>& free_workers) const;
+  // A task that was passed over because large workers lack the memory just now: one of them is held until it has it.
+  void HoldFor(const TaskCandidate& candidate, const std::vector<WorkerId>& takers);
+  void EndHolds();
   [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
   void EndJob(JobId id, JobState state);
@@ -127,16 +133,20 @@ class Scheduler {
   // Everything that an event may have made possible.
   void Advance();
 
+  void Add(Action action);
   void AddNote(Note::Severity severity, std::string event, std::vector<std::pair<std::string, std::string>> fields);
 
   const SchedulerOptions options_;
   TimePoint now_;                // of the event being handled
   std::vector<Action> actions_;  // of the event being handled
+  bool idle_ = false;            // the event being handled makes nothing possible
   std::uint64_t next_lease_;
   ArtifactDirectory directory_;
   WorkerTable workers_;
   std::map<JobId, JobRecord> jobs_;
   AnalysisMemo analyses_;
+  std::map<WorkerId, TaskId> held_;  // gets nothing else, but of jobs of higher priority, until it has the memory
+  std::uint64_t workers_seen_ = 0;   // WorkerTable::generation when JobRecord::taken was told
   std::uint64_t late_results_ = 0;
 };
 

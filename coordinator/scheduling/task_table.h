@@ -23,6 +23,7 @@ struct Task {
   int consumers = 0;                        // tasks that need this one and are not done
   LeaseId lease;                            // of a leased task
   std::string staging;                      // of a leased Emit: the folder it writes into
+  std::optional<ArtifactKey> work;          // JobProgress::WorkOf, of a task that became ready
   std::optional<ArtifactKey> expected_key;  // of a leased Estimate, Merge or Refine
   std::set<WorkerId> failed_on;
   std::vector<TaskId> watchers;          // blocked tasks that look again when this one is done

@@ -1,6 +1,7 @@
 #include "coordinator/scheduling/worker_table.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace depthfarm {
 
@@ -16,6 +17,7 @@ Worker& WorkerTable::Join(const WorkerJoined& event, TimePoint now) {
   worker.last_heard = now;
   worker.ask.reset();
   worker.known_jobs.clear();
+  WorkersChanged();
   return worker;
 }
 
@@ -29,10 +31,26 @@ const Worker* WorkerTable::Find(WorkerId id) const {
   return worker == workers_.end() ? nullptr : &worker->second;
 }
 
-void WorkerTable::Remove(WorkerId id) { workers_.erase(id); }
+void WorkerTable::Remove(WorkerId id) {
+  workers_.erase(id);
+  WorkersChanged();
+}
+
+void WorkerTable::Drain(WorkerId id) {
+  workers_.at(id).draining = true;
+  WorkersChanged();
+}
+
+void WorkerTable::WorkersChanged() {
+  ++generation_;
+  num_slots_ = 0;
+  for (const auto& [id, worker] : workers_) num_slots_ += worker.draining ? 0 : static_cast<std::size_t>(worker.slots);
+}
 
 Lease& WorkerTable::AddLease(LeaseId id, Lease lease) {
-  workers_[lease.worker].leases.insert(id);
+  Worker& worker = workers_.at(lease.worker);
+  worker.leases.insert(id);
+  worker.memory_taken += lease.memory_bytes;
   ++leases_of_[lease.task.job];
   if (lease.work) ++under_way_[*lease.work];
   return leases_[id] = std::move(lease);
@@ -43,10 +61,20 @@ Lease* WorkerTable::FindLease(LeaseId id) {
   return lease == leases_.end() ? nullptr : &lease->second;
 }
 
+void WorkerTable::Revoke(LeaseId id) {
+  Lease& lease = leases_.at(id);
+  if (std::exchange(lease.revoked, true)) return;
+  if (Worker* worker = Find(lease.worker)) ++worker->revoked;
+}
+
 void WorkerTable::EndLease(LeaseId id) {
   const auto lease = leases_.find(id);
   if (lease == leases_.end()) return;
-  if (Worker* worker = Find(lease->second.worker)) worker->leases.erase(id);
+  if (Worker* worker = Find(lease->second.worker)) {
+    worker->leases.erase(id);
+    worker->memory_taken -= lease->second.memory_bytes;
+    worker->revoked -= lease->second.revoked ? 1 : 0;
+  }
   const auto count = leases_of_.find(lease->second.task.job);
   if (--count->second == 0) leases_of_.erase(count);
   if (const auto& work = lease->second.work; work && --under_way_.at(*work) == 0) under_way_.erase(*work);
@@ -60,30 +88,13 @@ int WorkerTable::LeasesOf(JobId job) const {
 
 WorkerTable::Room WorkerTable::RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const {
   if (worker.draining || !worker.ask || now - worker.ask->received >= max_age) return Room::kNone;
-  const auto tasks = std::ranges::count_if(worker.leases, [&](LeaseId id) { return !leases_.at(id).revoked; });
+  const int tasks = static_cast<int>(worker.leases.size()) - worker.revoked;
   if (tasks < worker.slots) return Room::kSlot;
   return tasks < worker.slots + worker.ahead ? Room::kAhead : Room::kNone;
 }
 
-bool WorkerTable::HasMemory(const Worker& worker, std::uint64_t bytes) const {
-  if (worker.memory_bytes == 0) return true;
-  std::uint64_t taken = 0;
-  for (const LeaseId id : worker.leases) taken += leases_.at(id).memory_bytes;
-  return taken + bytes <= worker.memory_bytes;
-}
-
-bool WorkerTable::IsEmpty(const Worker& worker) const {
-  return std::ranges::all_of(worker.leases, [&](LeaseId id) { return leases_.at(id).revoked; });
-}
-
 bool WorkerTable::AnyFor(const std::set<std::string>& tags) const {
   return std::ranges::any_of(workers_, [&](const auto& entry) { return entry.second.Takes(tags); });
-}
-
-std::size_t WorkerTable::num_slots() const {
-  std::size_t slots = 0;
-  for (const auto& [id, worker] : workers_) slots += worker.draining ? 0 : static_cast<std::size_t>(worker.slots);
-  return slots;
 }
 
 }  // namespace depthfarm

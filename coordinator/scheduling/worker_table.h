@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "coordinator/planning/cost_model.h"
 #include "coordinator/scheduling/events.h"
 
 namespace depthfarm {
@@ -20,6 +21,11 @@ struct Worker {
   [[nodiscard]] bool Takes(const std::set<std::string>& wanted) const {
     return !draining && std::ranges::includes(tags, wanted);
   }
+  // Whether its memory is enough for a task of this size alone; beside the tasks it has.
+  [[nodiscard]] bool IsLarge(std::uint64_t bytes) const {
+    return memory_bytes == 0 || kProcessMemoryBytes + bytes <= memory_bytes;
+  }
+  [[nodiscard]] bool HasMemory(std::uint64_t bytes) const { return IsLarge(memory_taken + bytes); }
 
   WorkerId id;
   std::string name;
@@ -34,9 +40,11 @@ struct Worker {
     std::uint64_t id = 0;
     TimePoint received;
   };
-  std::optional<Ask> ask;      // the newest, until it is granted
-  std::set<LeaseId> leases;    // with those that were revoked and did not end yet
-  std::set<JobId> known_jobs;  // whose JobConfig it has
+  std::optional<Ask> ask;          // the newest, until it is granted
+  std::set<LeaseId> leases;        // with those that were revoked and did not end yet
+  int revoked = 0;                 // how many of these were
+  std::uint64_t memory_taken = 0;  // by the tasks of all of these
+  std::set<JobId> known_jobs;      // whose JobConfig it has
   std::uint64_t tasks_done = 0;
 };
 
@@ -61,11 +69,14 @@ class WorkerTable {
   [[nodiscard]] const Worker* Find(WorkerId id) const;
   // Its leases must have ended.
   void Remove(WorkerId id);
+  void Drain(WorkerId id);
 
   Lease& AddLease(LeaseId id, Lease lease);
   [[nodiscard]] Lease* FindLease(LeaseId id);
   // Whether some lease is for this work (Lease::work).
   [[nodiscard]] bool IsUnderWay(const ArtifactKey& work) const { return under_way_.contains(work); }
+  // Its result is not wanted any more; it counts until EndLease.
+  void Revoke(LeaseId id);
   void EndLease(LeaseId id);
   // How many leases of the job there are, with those that were revoked and did not end yet.
   [[nodiscard]] int LeasesOf(JobId job) const;
@@ -77,21 +88,23 @@ class WorkerTable {
     kSlot,   // a task that it computes at once
   };
   [[nodiscard]] Room RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const;
-  // Whether the worker has memory for one more task of this size beside those it has.
-  [[nodiscard]] bool HasMemory(const Worker& worker, std::uint64_t bytes) const;
-  // Whether all its leases are revoked ones.
-  [[nodiscard]] bool IsEmpty(const Worker& worker) const;
   // Whether any worker takes tasks of a job with these tags.
   [[nodiscard]] bool AnyFor(const std::set<std::string>& tags) const;
   // How many tasks all workers compute at a time; those that are drained do not count.
-  [[nodiscard]] std::size_t num_slots() const;
+  [[nodiscard]] std::size_t num_slots() const { return num_slots_; }
+  // Grows whenever a worker joins, leaves or is drained: what AnyFor says may have changed.
+  [[nodiscard]] std::uint64_t generation() const { return generation_; }
 
   [[nodiscard]] std::map<WorkerId, Worker>& workers() { return workers_; }
   [[nodiscard]] const std::map<WorkerId, Worker>& workers() const { return workers_; }
   [[nodiscard]] const std::map<LeaseId, Lease>& leases() const { return leases_; }
 
  private:
+  void WorkersChanged();
+
   std::map<WorkerId, Worker> workers_;
+  std::size_t num_slots_ = 0;
+  std::uint64_t generation_ = 0;
   std::map<LeaseId, Lease> leases_;
   std::map<JobId, int> leases_of_;        // jobs with any
   std::map<ArtifactKey, int> under_way_;  // leases of each work

@@ -17,6 +17,11 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLease{6000};
 
+// That a task of a job's first frame is expected to take beside the process.
+std::uint64_t MemoryOf(const PlannedJob& job, TaskKind kind) {
+  return CostModel(job.config.resolved).Of({JobId(1), 0, kind, 0, 0}).peak_memory_bytes - kProcessMemoryBytes;
+}
+
 // Runs tasks on one worker until it is given one of the kind.
 const Grant& RunUntil(FakeFarm& farm, WorkerId worker, TaskKind kind) {
   for (int i = 0; i < 1000 && farm.Running(worker).task.spec.id.kind != kind; ++i) farm.Finish(worker);
@@ -548,14 +553,13 @@ TEST(Scheduler, AJobWithTagsGoesToWorkersThatHaveThemAll) {
 TEST(Scheduler, AWorkerGetsNoMoreTasksThanItsMemoryHolds) {
   FakeFarm farm;
   const PlannedJob job = MakePlannedJob({.frames = 50, .gop = 1, .views = 4});
-  const std::uint64_t need =
-      CostModel(job.config.resolved).Of({JobId(1), 0, TaskKind::kAnalyse, 0, 0}).peak_memory_bytes;
+  const std::uint64_t need = MemoryOf(job, TaskKind::kAnalyse);
   ASSERT_GT(need, 0U);
   farm.Submit(job);
   const WorkerId first = farm.JoinAndAsk();
   farm.Finish(first);  // Prepare
   const WorkerId large = farm.Join(4);
-  farm.At(large).memory_bytes = 3 * need;
+  farm.At(large).memory_bytes = kProcessMemoryBytes + 3 * need;
   farm.Rejoin(large);
   farm.Ask(large);
   EXPECT_EQ(farm.At(large).running.size(), 3U);
@@ -593,10 +597,9 @@ TEST(Scheduler, ALargeTaskIsNotPassedOverForever) {
   FakeFarm farm;
   const PlannedJob large = MakePlannedJob({.id = 1, .frames = 3, .gop = 1, .views = 8, .blocks_i = 1});
   const PlannedJob small = MakePlannedJob({.id = 2, .frames = 200, .gop = 1, .views = 1, .blocks_i = 1});
-  const std::uint64_t most =
-      CostModel(large.config.resolved).Of({JobId(1), 0, TaskKind::kEstimate, 0, 0}).peak_memory_bytes;
+  const std::uint64_t most = MemoryOf(large, TaskKind::kEstimate);
   const WorkerId worker = farm.Join(4);
-  farm.At(worker).memory_bytes = most + (most >> 3U);
+  farm.At(worker).memory_bytes = kProcessMemoryBytes + most + (most >> 3U);
   farm.Rejoin(worker);
   farm.Submit(small);
   farm.Submit(large, 3);
@@ -605,6 +608,55 @@ TEST(Scheduler, ALargeTaskIsNotPassedOverForever) {
   for (; steps < 200 && !farm.ended.contains(JobId(1)); ++steps) farm.Finish(worker);
   EXPECT_TRUE(farm.ended.contains(JobId(1)));
   EXPECT_LT(steps, 100);
+}
+
+TEST(Scheduler, ALargeTaskHoldsOneWorkerAndTheOthersGoOn) {
+  FakeFarm farm;
+  const PlannedJob large = MakePlannedJob({.id = 1, .frames = 1, .gop = 1, .views = 8, .blocks_i = 1});
+  const PlannedJob small = MakePlannedJob({.id = 2, .frames = 400, .gop = 1, .views = 1, .blocks_i = 1});
+  const std::uint64_t most = MemoryOf(large, TaskKind::kEstimate);
+  farm.Submit(small);
+  farm.Submit(large);
+  std::vector<WorkerId> workers;
+  for (int i = 0; i < 3; ++i) {
+    workers.push_back(farm.Join(4));
+    farm.At(workers.back()).memory_bytes = kProcessMemoryBytes + most + (most >> 3U);
+    farm.Rejoin(workers.back());
+    farm.Ask(workers.back());
+  }
+  // One worker after the other ends a task; heartbeats change who has waited longest.
+  int most_idle = 0;
+  for (int step = 0; step < 100 && !farm.ended.contains(JobId(1)); ++step) {
+    const WorkerId worker = workers[static_cast<std::size_t>(step) % 3];
+    if (!farm.IsIdle(worker)) farm.Finish(worker);
+    farm.PassWithBeats(milliseconds(1000));
+    int idle = 0;
+    for (const WorkerId each : workers) idle += farm.IsIdle(each) ? 1 : 0;
+    most_idle = std::max(most_idle, idle);
+  }
+  EXPECT_TRUE(farm.ended.contains(JobId(1)));
+  EXPECT_LE(most_idle, 1);
+}
+
+TEST(Scheduler, AHeldWorkerStillTakesWhatIsOfHigherPriority) {
+  FakeFarm farm;
+  const PlannedJob large = MakePlannedJob({.id = 1, .frames = 1, .gop = 1, .views = 8, .blocks_i = 1});
+  const std::uint64_t most = MemoryOf(large, TaskKind::kEstimate);
+  const WorkerId worker = farm.Join(3);
+  farm.At(worker).memory_bytes = kProcessMemoryBytes + most;  // alone
+  farm.Rejoin(worker);
+  farm.Submit(large);
+  farm.Submit(MakePlannedJob({.id = 2, .frames = 400, .gop = 1, .views = 1, .blocks_i = 1}));
+  farm.Ask(worker);
+  const auto runs = [&](std::uint64_t job) {
+    return std::ranges::any_of(farm.At(worker).running,
+                               [&](const auto& entry) { return entry.second.task.spec.id.job == JobId(job); });
+  };
+  // Until only tasks of job 2 run beside the Estimate that waits.
+  for (int step = 0; step < 50 && (runs(1) || farm.At(worker).running.size() == 3); ++step) farm.Finish(worker);
+  ASSERT_FALSE(farm.IsIdle(worker));
+  farm.Submit(MakePlannedJob({.id = 3, .frames = 1, .gop = 1, .views = 1, .blocks_i = 1}), 1);
+  EXPECT_TRUE(runs(3));
 }
 
 TEST(Scheduler, ATaskThatIsTooLargeForAllRunsAlone) {

@@ -2,6 +2,7 @@
 
 #include <random>
 
+#include "coordinator/planning/cost_model.h"
 #include "tests/coordinator/planned_job.h"
 #include "tests/coordinator/scheduling/fake_farm.h"
 
@@ -21,7 +22,7 @@ class Chaos {
     if (dice < 3 && submitted_ < 3) {
       Submit();
     } else if (dice < 6 && farm_.workers.size() < 6) {
-      farm_.JoinAndAsk(1 + Below(3), Below(3));
+      Join();
     } else if (dice < 20) {
       farm_.PassWithBeats(Milliseconds(Below(2000)));
     } else if (dice == 20 && submitted_ > 0 && Below(4) == 0) {
@@ -31,9 +32,19 @@ class Chaos {
     }
   }
 
+  // Some have a tag, some are too small for one task or for two.
+  void Join() {
+    const WorkerId id = farm_.Join(1 + Below(3), Below(3));
+    FakeWorker& worker = farm_.At(id);
+    if (Below(2) == 0) worker.tags = {"tag"};
+    if (Below(2) == 0) worker.memory_bytes = kProcessMemoryBytes + static_cast<std::uint64_t>(Below(100'000));
+    farm_.Rejoin(id);
+    farm_.Ask(id);
+  }
+
   void Submit() {
     if (Below(4) == 0) {
-      farm_.Submit(MakeRenderingJob(static_cast<std::uint64_t>(++submitted_), 1 + Below(40)), Below(2));
+      farm_.Submit(MakeRenderingJob(static_cast<std::uint64_t>(++submitted_), 1 + Below(40)), Below(2), Tags());
       return;
     }
     const int refine = Below(3);
@@ -45,11 +56,12 @@ class Chaos {
                                  .blocks_p = 1 + Below(2),
                                  .refine = refine,
                                  .confidence = refine > 0 && Below(2) == 0}),
-                 Below(2));
+                 Below(2), Tags());
   }
   [[nodiscard]] int submitted() const { return submitted_; }
 
  private:
+  std::set<std::string> Tags() { return Below(3) == 0 ? std::set<std::string>{"tag"} : std::set<std::string>(); }
   int Below(int bound) { return static_cast<int>(random_() % static_cast<std::uint32_t>(bound)); }
 
   void Disturb(WorkerId id, int dice) {
@@ -107,7 +119,10 @@ TEST(FarmSimulation, EveryJobEndsAndNothingIsKeptWhateverHappens) {
     for (auto worker = farm.workers.begin(); worker != farm.workers.end();) {
       worker = worker->second.alive ? std::next(worker) : farm.workers.erase(worker);
     }
-    farm.JoinAndAsk();
+    const WorkerId healthy = farm.Join();
+    farm.At(healthy).tags = {"tag"};
+    farm.Rejoin(healthy);
+    farm.Ask(healthy);
     farm.RunToTheEnd();
     ASSERT_EQ(farm.ended.size(), static_cast<std::size_t>(chaos.submitted()));
     for (const auto& [id, job] : farm.ended) {
