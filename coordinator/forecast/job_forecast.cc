@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -55,16 +57,12 @@ int FramesToPlay(const ResolvedJob& job, std::uint64_t most_tasks) {
   return std::min(job.num_frames, std::max({2, whole > 0 ? whole : fit}));
 }
 
-// From half of the frames that are played to all of them, in steps of whole GOPs if there are two.
-std::vector<int> LengthsToPlay(const ResolvedJob& job, int frames) {
+// From half of the frames that are played to all of them.
+std::vector<int> LengthsToPlay(int frames) {
   constexpr int kMostLengths = 4;
-  const int unit = frames / 2 >= job.params.gop ? job.params.gop : 1;
-  const int steps = std::clamp((frames - frames / 2) / unit, 1, kMostLengths - 1);
+  const int steps = std::clamp(frames - frames / 2, 1, kMostLengths - 1);
   std::vector<int> lengths;
-  for (int step = steps; step >= 0; --step) {
-    const int less = frames / 2 * step / steps;
-    lengths.push_back(std::max(1, frames - (less + unit - 1) / unit * unit));
-  }
+  for (int step = steps; step >= 0; --step) lengths.push_back(std::max(1, frames - frames / 2 * step / steps));
   lengths.erase(std::unique(lengths.begin(), lengths.end()), lengths.end());
   return lengths;
 }
@@ -107,58 +105,110 @@ std::vector<StageForecast> Stages(const ResolvedJob& job) {
   return listed;
 }
 
-// Plays the first frames of a job through, of a longer job some lengths of them, and goes on at their pace.
+struct Figures {
+  double wall = 0;
+  double cpu = 0;
+  double moved = 0;
+};
+
+// Plays the first frames of a job through, and goes on at their pace.
 class Extrapolation {
  public:
-  Extrapolation(const ResolvedJob& job, int played_frames) : job_(job), played_frames_(played_frames) {
-    if (played_frames < job.num_frames) lengths_ = LengthsToPlay(job, played_frames);
-    if (lengths_.empty()) lengths_ = {played_frames};
-    for (const int frames : lengths_) parts_.push_back(std::make_unique<Part>(job, frames));
-  }
+  Extrapolation(const ResolvedJob& job, int played_frames)
+      : job_(job), played_frames_(played_frames), whole_gops_(played_frames / job.params.gop) {}
 
-  [[nodiscard]] const TaskGraph& graph() const { return parts_.back()->graph; }
+  [[nodiscard]] const TaskGraph& graph() { return PartOf(played_frames_).graph; }
 
-  [[nodiscard]] FarmForecast On(int workers) const {
-    std::vector<double> wall;
-    std::vector<double> cpu;
-    std::vector<double> moved;
-    for (const auto& part : parts_) {
-      const ListSchedule played = PlayThrough(part->graph, workers);
-      wall.push_back(played.wall_seconds);
-      cpu.push_back(played.cpu_seconds);
-      moved.push_back(static_cast<double>(played.moved_bytes));
+  [[nodiscard]] FarmForecast On(int workers) {
+    Figures figures;
+    if (played_frames_ == job_.num_frames) {
+      figures = Play(played_frames_, workers);
+    } else if (whole_gops_ > 0) {
+      figures = OfManyGops(workers);
+    } else {
+      figures = Line(LengthsToPlay(played_frames_), workers, job_.num_frames);
     }
     FarmForecast farm;
     farm.workers = workers;
-    farm.cpu_seconds = GoOn(cpu, job_.num_frames);
-    farm.moved_bytes = static_cast<std::uint64_t>(std::max(0.0, GoOn(moved, job_.num_frames)));
+    farm.cpu_seconds = figures.cpu;
+    farm.moved_bytes = static_cast<std::uint64_t>(std::max(0.0, figures.moved));
+    farm.wall_seconds = figures.wall;
     // The first frames may not have kept all workers busy, so that the pace seems better than it can be.
-    farm.wall_seconds = GoOn(wall, job_.num_frames);
-    if (parts_.size() > 1) farm.wall_seconds = std::max(farm.wall_seconds, farm.cpu_seconds / workers);
+    if (played_frames_ < job_.num_frames) farm.wall_seconds = std::max(figures.wall, figures.cpu / workers);
     return farm;
   }
 
   // Of the critical path. GOPs do not wait for each other: more of them make no chain longer.
-  [[nodiscard]] double LeastSeconds(const CriticalPath& of_played) const {
+  [[nodiscard]] double LeastSeconds(const CriticalPath& of_played) {
     const int gop_frames = std::min(job_.params.gop, job_.num_frames);
-    if (parts_.size() == 1 || played_frames_ >= gop_frames) return of_played.seconds;
+    if (played_frames_ == job_.num_frames || whole_gops_ > 0) return of_played.seconds;
+    const std::vector<int> lengths = LengthsToPlay(played_frames_);
     std::vector<double> seconds;
-    for (const auto& part : parts_) seconds.push_back(FindCriticalPath(part->graph).seconds);
-    return GoOn(seconds, gop_frames);
+    for (const int frames : lengths) seconds.push_back(FindCriticalPath(PartOf(frames).graph).seconds);
+    return GoOn(lengths, seconds, gop_frames);
   }
 
  private:
+  [[nodiscard]] Part& PartOf(int frames) {
+    std::unique_ptr<Part>& part = parts_[frames];
+    if (!part) part = std::make_unique<Part>(job_, frames);
+    return *part;
+  }
+
+  [[nodiscard]] Figures Play(int frames, int workers) {
+    const ListSchedule played = PlayThrough(PartOf(frames).graph, workers);
+    return {played.wall_seconds, played.cpu_seconds, static_cast<double>(played.moved_bytes)};
+  }
+
+  // Workers have a GOP each, again and again, and share those that are left in the end; or there are several to a GOP.
+  // Either way a farm is as many small ones side by side as there are workers for each of these.
+  [[nodiscard]] Figures OfManyGops(int workers) {
+    const int gop = job_.params.gop;
+    const int gops = (job_.num_frames + gop - 1) / gop;
+    if (workers >= gops) {
+      const double farms = static_cast<double>(gops) / whole_gops_;
+      Figures figures = Play(whole_gops_ * gop, std::max(1, static_cast<int>(std::lround(workers / farms))));
+      figures.cpu *= farms;
+      figures.moved *= farms;
+      return figures;
+    }
+    const int small = std::clamp(whole_gops_ / 2, 1, workers);
+    const double farms = static_cast<double>(workers) / small;
+    const double frames = job_.num_frames / farms;
+    const int turn = small * gop;  // frames
+    // The same rest as that of the whole, so that the last turn is alike.
+    const int rest = static_cast<int>(frames) % turn;
+    const int first = rest == 0 || rest + 2 * turn <= whole_gops_ * gop ? rest + turn : rest;
+    Figures figures = Line({first, first + turn}, small, frames);
+    figures.cpu *= farms;
+    figures.moved *= farms;
+    return figures;
+  }
+
+  [[nodiscard]] Figures Line(const std::vector<int>& lengths, int workers, double frames) {
+    std::vector<double> wall;
+    std::vector<double> cpu;
+    std::vector<double> moved;
+    for (const int length : lengths) {
+      const Figures figures = Play(length, workers);
+      wall.push_back(figures.wall);
+      cpu.push_back(figures.cpu);
+      moved.push_back(figures.moved);
+    }
+    return {GoOn(lengths, wall, frames), GoOn(lengths, cpu, frames), GoOn(lengths, moved, frames)};
+  }
+
   // What a figure of each length is for `frames`: on the straight line nearest to them (least squares), since single
   // lengths end with workers that idle for more or less long.
-  [[nodiscard]] double GoOn(const std::vector<double>& figures, int frames) const {
+  [[nodiscard]] static double GoOn(const std::vector<int>& lengths, const std::vector<double>& figures, double frames) {
     if (figures.size() == 1) return figures.front();
     const auto count = static_cast<double>(figures.size());
-    const double mean_length = std::accumulate(lengths_.begin(), lengths_.end(), 0.0) / count;
+    const double mean_length = std::accumulate(lengths.begin(), lengths.end(), 0.0) / count;
     const double mean = std::accumulate(figures.begin(), figures.end(), 0.0) / count;
     double products = 0;
     double squares = 0;
     for (std::size_t i = 0; i < figures.size(); ++i) {
-      const double from_mean = lengths_[i] - mean_length;
+      const double from_mean = lengths[i] - mean_length;
       products += from_mean * (figures[i] - mean);
       squares += from_mean * from_mean;
     }
@@ -167,8 +217,8 @@ class Extrapolation {
 
   const ResolvedJob& job_;
   const int played_frames_;
-  std::vector<int> lengths_;                  // ascending, the last one played_frames
-  std::vector<std::unique_ptr<Part>> parts_;  // of each
+  const int whole_gops_;                        // of these
+  std::map<int, std::unique_ptr<Part>> parts_;  // by length
 };
 
 }  // namespace
@@ -178,7 +228,7 @@ JobForecast Forecast(const ResolvedJob& job, const ForecastOptions& options) {
   forecast.stages = Stages(job);
   forecast.frames = job.num_frames;
   forecast.played_frames = FramesToPlay(job, options.most_tasks);
-  const Extrapolation extrapolation(job, forecast.played_frames);
+  Extrapolation extrapolation(job, forecast.played_frames);
 
   const CriticalPath path = FindCriticalPath(extrapolation.graph());
   for (const TaskGraph::Index index : path.tasks) forecast.critical_path.push_back(extrapolation.graph().task(index));

@@ -38,8 +38,9 @@ struct JobForecast {
   std::vector<FarmForecast> farms;
   bool more_do_not_help = false;  // twice the workers of the last farm gain less than a twentieth; only if tried
   int frames = 0;                 // of the job
-  int played_frames = 0;  // the first so many were played through; if fewer, the farms' figures go on at the pace from
-                          // half of these to all
+  // About so many of the first ones were played through; if fewer, the farms' figures go on at the pace of the last
+  // half of these or, of whole GOPs, at that of a farm that is as much smaller.
+  int played_frames = 0;
   [[nodiscard]] bool extrapolated() const { return played_frames < frames; }
 };
 

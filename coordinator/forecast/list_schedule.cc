@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 #include <queue>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "coordinator/scheduling/gop_homes.h"
 #include "coordinator/scheduling/placement.h"
 #include "coordinator/scheduling/scheduler.h"
 #include "coordinator/scheduling/task_table.h"
@@ -52,6 +54,7 @@ class Player {
         local_bytes_(static_cast<std::size_t>(workers)),
         missing_(graph.size()),
         open_tasks_(graph.num_gops()),
+        ready_of_gop_(graph.num_gops(), std::set<Index, ByUrgencyOf>(ByUrgencyOf{&graph})),
         ready_(ByUrgencyOf{&graph}) {
     for (int worker = 0; worker < workers; ++worker) Free(worker);
     for (Index index = 0; index < graph.size(); ++index) missing_[index] = graph.Needs(index).size();
@@ -104,24 +107,37 @@ class Player {
   // A task that needs nothing any more is ready once its GOP is open.
   void Enable(Index task) {
     if (IsOfAGop(task) && task >= opened_end_) return;
+    AddReady(task);
+  }
+
+  [[nodiscard]] bool IsAtHomeSomewhere(Index task) const {
+    return IsOfAGop(task) && !EndsAFrameOrJob(graph_.task(task).kind);
+  }
+
+  void AddReady(Index task) {
     ready_.insert(task);
+    if (IsAtHomeSomewhere(task)) ready_of_gop_[GopOf(task)].insert(task);
   }
 
   void OpenGops() {
     const SchedulerOptions options;
     const std::size_t wanted = static_cast<std::size_t>(workers_) * static_cast<std::size_t>(options.ready_per_slot);
-    while (ready_.size() < wanted && next_gop_ < graph_.num_gops() && num_open_ < options.max_open_gops) {
+    while (next_gop_ < graph_.num_gops() && open_.size() < static_cast<std::size_t>(options.max_open_gops) &&
+           (ready_.size() < wanted || open_.size() < static_cast<std::size_t>(workers_))) {
       const Index begin = graph_.GopBegin(next_gop_);
       opened_end_ = graph_.GopBegin(next_gop_ + 1);
-      open_tasks_[next_gop_++] = opened_end_ - begin;
-      ++num_open_;
+      open_tasks_[next_gop_] = opened_end_ - begin;
+      open_.insert(next_gop_++);
       for (Index task = begin; task < opened_end_; ++task)
-        if (missing_[task] == 0) ready_.insert(task);
+        if (missing_[task] == 0) AddReady(task);
     }
   }
 
   void Finish(Index task) {
-    if (IsOfAGop(task) && --open_tasks_[GopOf(task)] == 0) --num_open_;
+    if (IsOfAGop(task) && --open_tasks_[GopOf(task)] == 0) {
+      homes_.End(static_cast<int>(GopOf(task)));
+      open_.erase(GopOf(task));
+    }
     for (const Index waiting : graph_.NeededBy(task))
       if (--missing_[waiting] == 0) Enable(waiting);
   }
@@ -169,22 +185,66 @@ class Player {
     return best;
   }
 
+  // How much of the task's inputs the worker holds.
+  [[nodiscard]] std::uint64_t BytesAt(Index task, int worker) const {
+    std::uint64_t bytes = 0;
+    for (const Index needed : graph_.Needs(task)) {
+      if (MakesArtifact(graph_.task(needed).kind) && holders_.Has(needed, worker))
+        bytes += graph_.cost(needed).result_bytes;
+    }
+    return bytes;
+  }
+
+  // As Scheduler::AssignOneOf: what ends a frame, else of a GOP that a free worker is at home with, else of one that
+  // has no home, else any.
   void AssignOne() {
-    Index task = *ready_.begin();
+    const Index first = *ready_.begin();
+    if (EndsAFrameOrJob(graph_.task(first).kind)) return AssignAmong(ready_, -1);
+    if (const std::optional<std::pair<std::size_t, int>> own = FreeAtHome())
+      return AssignAmong(ready_of_gop_[own->first], own->second);
+    for (const std::size_t gop : open_) {
+      if (!homes_.HomeOf(static_cast<int>(gop)) && !ready_of_gop_[gop].empty())
+        return AssignAmong(ready_of_gop_[gop], -1);
+    }
+    AssignAmong(ready_, -1);
+  }
+
+  // A GOP that has a ready task and whose worker is free; of the one that waits longest.
+  [[nodiscard]] std::optional<std::pair<std::size_t, int>> FreeAtHome() const {
+    std::optional<std::pair<std::size_t, int>> best;
+    for (const std::size_t gop : open_) {
+      const std::optional<WorkerId> home = homes_.HomeOf(static_cast<int>(gop));
+      if (!home || ready_of_gop_[gop].empty()) continue;
+      const auto worker = static_cast<std::size_t>(home->value());
+      if (!free_.Has(0, static_cast<int>(worker))) continue;
+      if (!best || waiting_since_[worker] < waiting_since_[static_cast<std::size_t>(best->second)])
+        best = {gop, static_cast<int>(worker)};
+    }
+    return best;
+  }
+
+  // Starts one of the most urgent of these tasks, on `worker` if one is named (>= 0).
+  void AssignAmong(const std::set<Index, ByUrgencyOf>& tasks, int worker) {
+    Index task = *tasks.begin();
     std::pair<std::uint64_t, int> best{0, -1};
     std::size_t candidates = 0;
-    for (auto candidate = ready_.begin(); candidate != ready_.end() && candidates < kMaxCandidates; ++candidate) {
-      if (!EquallyUrgent(graph_.task(*candidate), graph_.task(*ready_.begin()))) break;
+    for (auto candidate = tasks.begin(); candidate != tasks.end() && candidates < kMaxCandidates; ++candidate) {
+      if (!EquallyUrgent(graph_.task(*candidate), graph_.task(*tasks.begin()))) break;
       ++candidates;
-      const std::pair<std::uint64_t, int> nearest = NearestWorker(*candidate);
+      const std::pair<std::uint64_t, int> nearest =
+          worker < 0 ? NearestWorker(*candidate) : std::pair(BytesAt(*candidate, worker), worker);
       if (nearest.first <= best.first) continue;
       best = nearest;
       task = *candidate;
     }
-    Start(task, best.second < 0 ? LongestWaiting() : best.second);
+    if (best.second < 0) best.second = worker < 0 ? LongestWaiting() : worker;
+    if (IsAtHomeSomewhere(task))
+      homes_.Claim(static_cast<int>(GopOf(task)), WorkerId(static_cast<std::uint64_t>(best.second)));
+    Start(task, best.second);
   }
 
   void Start(Index task, int worker) {
+    if (IsAtHomeSomewhere(task)) ready_of_gop_[GopOf(task)].erase(task);
     ready_.erase(task);
     free_.Remove(0, worker);
     --num_free_;
@@ -212,9 +272,11 @@ class Player {
   std::vector<int> touched_;
   std::vector<std::size_t> missing_;
   std::vector<std::size_t> open_tasks_;  // of each GOP, not done
-  int num_open_ = 0;
+  std::set<std::size_t> open_;
+  GopHomes homes_;
   std::size_t next_gop_ = 0;
   Index opened_end_ = 0;
+  std::vector<std::set<Index, ByUrgencyOf>> ready_of_gop_;  // of ready_, without what ends a frame
   std::set<Index, ByUrgencyOf> ready_;
   std::priority_queue<Running, std::vector<Running>, std::greater<>> running_;
   ListSchedule result_;

@@ -42,6 +42,8 @@ class JobProgress {
 
   [[nodiscard]] bool HasUnopenedGop() const { return next_gop_ < plan_.num_gops(); }
   [[nodiscard]] int num_open_gops() const { return static_cast<int>(open_gops_.size()); }
+  // GOP -> how many of its frames are not committed.
+  [[nodiscard]] const std::map<int, int>& open_gops() const { return open_gops_; }
   void OpenNextGop();
 
   // What names the work of a task that became ready: its output key, of Analyse its request; of other kinds nothing.
@@ -120,7 +122,7 @@ class JobProgress {
   TaskTable table_;
   std::vector<TaskId> to_activate_;
   int next_gop_ = 0;
-  std::map<int, int> open_gops_;  // GOP -> frames that are not committed
+  std::map<int, int> open_gops_;
   std::map<ArtifactKey, std::set<TaskId>> producers_;
   std::map<int, EmittedFrame> emitted_;            // frames whose Commit is not done
   std::vector<std::vector<DoneFile>> done_files_;  // [frame][view], for the manifest

@@ -185,6 +185,7 @@ void Scheduler::On(const WorkerDrained& event) {
   Worker* worker = workers_.Find(event.worker);
   if (worker == nullptr || worker->draining) return;
   workers_.Drain(event.worker);
+  for (auto& [id, job] : jobs_) job.homes.Forget(event.worker);
   AddNote(Note::Severity::kInfo, "worker_drained", {{"worker", Number(event.worker.value())}, {"name", worker->name}});
 }
 
@@ -200,6 +201,7 @@ void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
   for (const LeaseId lease : worker.leases) ended.emplace_back(lease, *workers_.FindLease(lease));
   for (const auto& [lease_id, lease] : ended) workers_.EndLease(lease_id);
   workers_.Remove(id);
+  for (auto& [job_id, job] : jobs_) job.homes.Forget(id);
   AddNote(lost == nullptr ? Note::Severity::kInfo : Note::Severity::kWarning,
           lost == nullptr ? "worker_left" : "worker_lost", {{"worker", Number(id.value())}, {"name", name}});
   if (lost != nullptr) Add(WorkerLost{id, name});

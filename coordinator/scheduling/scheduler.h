@@ -14,6 +14,7 @@
 #include "coordinator/scheduling/analysis_memo.h"
 #include "coordinator/scheduling/artifact_directory.h"
 #include "coordinator/scheduling/events.h"
+#include "coordinator/scheduling/gop_homes.h"
 #include "coordinator/scheduling/job_progress.h"
 #include "coordinator/scheduling/placement.h"
 #include "coordinator/scheduling/snapshot.h"
@@ -27,7 +28,8 @@ struct SchedulerOptions {
   int max_attempts = 4;               // of one task, before its job fails
   int max_setbacks = 16;              // times that a task's artifact or inputs may be lost, before its job fails
   int ready_per_slot = 2;             // another GOP is opened when fewer tasks are ready for each slot of a worker
-  int max_open_gops = 64;             // of one job
+  int max_open_gops = 1024;           // of one job
+  int gops_at_once = 64;              // opened for one event: it must take well less than a lease
   std::uint64_t first_lease = 1;      // a number that no earlier coordinator of the same workers used
 };
 
@@ -66,6 +68,7 @@ class Scheduler {
     std::set<std::string> tags;    // that a worker must have
     bool taken = false;            // whether any worker takes its tasks
     std::uint64_t last_grant = 0;  // number of its newest lease
+    GopHomes homes;
     TimePoint submitted;
     std::unique_ptr<JobProgress> progress;
     JobState ending = JobState::kRunning;  // what it will be when leases and Cleanup are over
@@ -120,7 +123,13 @@ class Scheduler {
   // A task that was passed over because large workers lack the memory just now: one of them is held until it has it.
   void HoldFor(const TaskCandidate& candidate, const std::vector<WorkerId>& takers);
   void EndHolds();
+  // Grants a task of the job: of those that end a frame, else of a GOP that a free worker is at home with, else of one
+  // that has no home, else any.
   [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
+  // Grants the most urgent of these tasks that one of the takers can have. Where none is granted and `hold`, workers
+  // are held for those that lack memory.
+  [[nodiscard]] bool AssignAmong(JobRecord& job, const ReadyRange& tasks, const std::vector<WorkerId>& takers,
+                                 bool hold, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
   void EndJob(JobId id, JobState state);
   // Workers with such room, longest waiting first.

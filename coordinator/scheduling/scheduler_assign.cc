@@ -124,10 +124,32 @@ bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers)
   const std::vector<WorkerId> takers = WhoTakes(job, free_workers);
   if (takers.empty()) return false;
   const auto& ready = job.progress->table().ready();
-  for (auto first = ready.begin(); first != ready.end();) {
+  const auto first = std::ranges::find_if_not(ready, [](const TaskId& id) { return EndsAFrameOrJob(id.kind); });
+  if (AssignAmong(job, {ready.begin(), first}, takers, true, free_workers)) return true;
+  if (first == ready.end()) return false;
+
+  const ResolvedJob& resolved = job.progress->plan().resolved();
+  const auto ready_of = [&](int gop) {
+    return job.progress->table().ReadyOf(first->job, gop * resolved.params.gop, (gop + 1) * resolved.params.gop);
+  };
+  for (const WorkerId worker : takers) {
+    for (const int gop : job.homes.Of(worker)) {
+      if (AssignAmong(job, ready_of(gop), {worker}, false, free_workers)) return true;
+    }
+  }
+  for (const auto& [gop, frames] : job.progress->open_gops()) {
+    if (job.homes.HomeOf(gop)) continue;
+    if (AssignAmong(job, ready_of(gop), takers, false, free_workers)) return true;
+  }
+  return AssignAmong(job, {first, ready.end()}, takers, true, free_workers);
+}
+
+bool Scheduler::AssignAmong(JobRecord& job, const ReadyRange& tasks, const std::vector<WorkerId>& takers, bool hold,
+                            std::vector<WorkerId>& free_workers) {
+  for (auto first = tasks.begin(); first != tasks.end();) {
     std::vector<TaskCandidate> candidates;
     auto next = first;
-    for (; next != ready.end() && EquallyUrgent(*next, *first); ++next) {
+    for (; next != tasks.end() && EquallyUrgent(*next, *first); ++next) {
       if (candidates.size() == kMaxCandidates) continue;
       // What another task makes just now is not made twice: when that one is done, this one finds it there.
       const std::optional<ArtifactKey>& work = job.progress->WorkOf(*next);
@@ -140,7 +162,9 @@ bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers)
       if (workers_.leases().size() > leases) std::erase(free_workers, placement->worker);
       return true;
     }
-    for (const TaskCandidate& candidate : candidates) HoldFor(candidate, takers);
+    if (hold) {
+      for (const TaskCandidate& candidate : candidates) HoldFor(candidate, takers);
+    }
     first = next;
   }
   return false;
@@ -170,6 +194,9 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
   if (!task) return;  // its inputs are gone, or its artifact is there already
   ++next_lease_;
   job.last_grant = lease_id.value();
+  if (!EndsAFrameOrJob(placement.task.kind)) {
+    job.homes.Claim(placement.task.frame / job.progress->plan().resolved().params.gop, placement.worker);
+  }
   Worker& worker = *workers_.Find(placement.worker);
   if (const std::optional<ArtifactInfo> known = KnownOf(job, placement.task)) {
     task->spec.known = TaskInput{*known, InputRole::kAnalysis, placement.task.index, {}};

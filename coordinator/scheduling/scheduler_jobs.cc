@@ -45,6 +45,10 @@ void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease&
            {"worker", workers_.Find(event.worker)->name},
            {"cpu", std::to_string(event.stats.cpu_seconds)}});
   ReleaseArtifactsOf(job);
+  if (event.task.kind == TaskKind::kCommit) {
+    const int gop = event.task.frame / job.progress->plan().resolved().params.gop;
+    if (!job.progress->open_gops().contains(gop)) job.homes.End(gop);
+  }
   if (!job.progress->done()) return;
   EndJob(event.task.job, job.ending == JobState::kRunning ? JobState::kDone : job.ending);
 }
@@ -171,9 +175,14 @@ void Scheduler::OpenGops() {
     const JobRecord& job = jobs_.at(id);
     if (!job.taken) continue;  // what is ready here, nobody takes
     JobProgress& progress = *job.progress;
-    const std::size_t share = ReadyShare(wanted, jobs_of_priority.at(job.priority));
-    while (progress.table().ready().size() < share && progress.HasUnopenedGop() &&
-           progress.num_open_gops() < options_.max_open_gops) {
+    const std::size_t jobs = jobs_of_priority.at(job.priority);
+    const std::size_t share = ReadyShare(wanted, jobs);
+    // A GOP for each slot, so that workers need not share one.
+    const std::size_t gops = ReadyShare(workers_.num_slots(), jobs);
+    for (int opened = 0; opened < options_.gops_at_once && progress.HasUnopenedGop() &&
+                         progress.num_open_gops() < options_.max_open_gops &&
+                         (progress.table().ready().size() < share || progress.open_gops().size() < gops);
+         ++opened) {
       progress.OpenNextGop();
     }
     ready += std::min(share, progress.table().ready().size());

@@ -3,14 +3,11 @@
 #include <tuple>
 
 namespace depthfarm {
-namespace {
 
 bool EndsAFrameOrJob(TaskKind kind) {
   return kind != TaskKind::kAnalyse && kind != TaskKind::kEstimate && kind != TaskKind::kMerge &&
          kind != TaskKind::kRefine && kind != TaskKind::kAssess;
 }
-
-}  // namespace
 
 bool ByUrgency::operator()(const TaskId& a, const TaskId& b) const {
   const auto rank = [](const TaskId& id) {
@@ -50,6 +47,12 @@ void TaskTable::SetState(const TaskId& id, TaskState state) {
   } else {
     ready_.erase(id);
   }
+}
+
+ReadyRange TaskTable::ReadyOf(JobId job, int begin, int end) const {
+  // The last stage is the most urgent one of a frame.
+  const auto first = [&](int frame) { return ready_.lower_bound({job, frame, TaskKind::kAssess, 0, 0}); };
+  return {first(begin), first(end)};
 }
 
 }  // namespace depthfarm

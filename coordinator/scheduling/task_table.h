@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <string>
 #include <vector>
@@ -37,8 +38,14 @@ struct ByUrgency {
   bool operator()(const TaskId& a, const TaskId& b) const;
 };
 
+// The first group of ByUrgency.
+[[nodiscard]] bool EndsAFrameOrJob(TaskKind kind);
+
 // True when policy sees no difference between two tasks of a job: the same frame and kind. Locality may choose.
 [[nodiscard]] bool EquallyUrgent(const TaskId& a, const TaskId& b);
+
+// Ready tasks, most urgent first.
+using ReadyRange = std::ranges::subrange<std::set<TaskId, ByUrgency>::const_iterator>;
 
 // The tasks of the open GOPs of one job, with an index of the ready ones.
 class TaskTable {
@@ -52,6 +59,8 @@ class TaskTable {
 
   void SetState(const TaskId& id, TaskState state);
   [[nodiscard]] const std::set<TaskId, ByUrgency>& ready() const { return ready_; }
+  // Of the frames from `begin` to before `end`, without those that end a frame or job.
+  [[nodiscard]] ReadyRange ReadyOf(JobId job, int begin, int end) const;
   [[nodiscard]] const std::map<TaskId, Task>& tasks() const { return tasks_; }
   [[nodiscard]] std::size_t size() const { return tasks_.size(); }
 
