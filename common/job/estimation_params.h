@@ -24,6 +24,13 @@ enum class Search {
   kSparse,  // from a good start, every segment to some levels, then each to those near its own and its neighbours'
 };
 
+// What P frames refer to beside the frame before (paper III-E: the I frame of their GOP).
+enum class Anchor {
+  kGop,     // each GOP begins with an I frame of its own
+  kShared,  // the job's first frame is the I frame of every GOP; other GOPs begin with a P frame that refers to it
+            // alone
+};
+
 inline constexpr int kMostCompared = 4;  // two left, two right on an arc
 
 // What a user may set for a job; the defaults are the paper's numbers where the paper gives one. 0 = choose ("auto").
@@ -38,7 +45,8 @@ struct EstimationParams {
   double matching_offset = 30;  // K of eq. (5), grey levels summed over Y, Cb, Cr; > 0, <= 765
   int uniqueness = 75;  // a match counts by how much it beats this share of its epipolar line, %; 0: in full (5); 0..99
   double snic_compactness = 5;  // m of SNIC (paper IV-C), > 0
-  int gop = 10;          // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1: I frames only; 0: one I frame
+  int gop = 10;  // frames from one I frame to the next: 1 I + 9 P (paper V-A); 1: I frames only; 0: one I frame
+  Anchor anchor = Anchor::kGop;
   int p_threshold = 3;   // T_P of III-E, grey levels
   int i_threshold = 1;   // T_I of III-E
   int level_blocks = 0;  // n of IV-A; 0: from the job alone, see ResolveJob

@@ -42,8 +42,15 @@ struct ResolvedJob {
   int level_blocks_p = 1;  // n for P frames: few nodes are left, so fewer tasks pay
 
   [[nodiscard]] int num_views() const { return static_cast<int>(views.size()); }
-  [[nodiscard]] bool IsIFrame(int frame) const { return frame % params.gop == 0; }
-  [[nodiscard]] int IFrameOf(int frame) const { return frame - frame % params.gop; }
+  [[nodiscard]] int GopOf(int frame) const { return frame / params.gop; }
+  // The I frame that a frame refers to, or is.
+  [[nodiscard]] int IFrameOf(int frame) const {
+    return params.anchor == Anchor::kShared ? 0 : GopOf(frame) * params.gop;
+  }
+  [[nodiscard]] bool IsIFrame(int frame) const { return frame == IFrameOf(frame); }
+  [[nodiscard]] bool HasPFrames() const { return num_frames > 1 && !IsIFrame(1); }
+  // The other frame that a P frame refers to: the one before, of the first in a GOP the I frame.
+  [[nodiscard]] int PreviousOf(int frame) const { return frame % params.gop == 0 ? IFrameOf(frame) : frame - 1; }
   [[nodiscard]] int NumBlocks(int frame) const { return IsIFrame(frame) ? level_blocks_i : level_blocks_p; }
   // Rounds of refinement, after round 0: this one to params.refine_rounds, of which there must be one.
   [[nodiscard]] int FirstRefineRound(int frame) const {

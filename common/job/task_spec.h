@@ -18,12 +18,12 @@ using ContentDigest = std::array<std::uint8_t, 32>;
 // What an input of a task is for. Inputs of a task are ordered by role, then by view.
 enum class InputRole : std::uint8_t {
   kAnalysis,          // of this frame, one per view
-  kPreviousAnalysis,  // of frame - 1 (P frames): Analyse, Refine: of the view; Estimate: one per view
-  kPreviousLabels,    // label field of frame - 1
+  kPreviousAnalysis,  // of ResolvedJob::PreviousOf (P frames): Analyse, Refine: of the view; Estimate: one per view
+  kPreviousLabels,    // label field of that frame
   kIAnalysis,         // of the GOP's I frame, one per view (P frames)
   kILabels,           // label field of the GOP's I frame
   kLabels,            // Merge: the two partial fields, first and second; Refine, Emit: the final one
-  kPreviousRefined,   // Refine: the view's depth in frame - 1 after the last round
+  kPreviousRefined,   // Refine: the view's depth in that frame after the last round
   kIRefined,          // Refine: the view's depth in the GOP's I frame after the last round
   kRefined,           // Refine: depth of the round before, the view and those it is compared with; Assess: the
                       // same after the last round; Emit: of all views

@@ -131,6 +131,7 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
   proto.set_snic_compactness(params.snic_compactness);
   proto.set_gop(static_cast<std::uint32_t>(params.gop));
   proto.set_one_gop(params.gop == 0);
+  proto.set_anchor(params.anchor == Anchor::kShared ? v1::ANCHOR_SHARED : v1::ANCHOR_GOP);
   proto.set_p_threshold(static_cast<std::uint32_t>(params.p_threshold));
   proto.set_i_threshold(static_cast<std::uint32_t>(params.i_threshold));
   proto.set_level_blocks(static_cast<std::uint32_t>(params.level_blocks));
@@ -172,6 +173,10 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
     return InvalidArgument("gop is " + std::to_string(params.gop) + (proto.one_gop() ? " and" : " and not") +
                            " one for all frames, expected at least 1 or that");
   }
+  if (proto.anchor() != v1::ANCHOR_GOP && proto.anchor() != v1::ANCHOR_SHARED) {
+    return InvalidArgument("anchor is " + std::to_string(proto.anchor()) + ", expected gop or shared");
+  }
+  params.anchor = proto.anchor() == v1::ANCHOR_SHARED ? Anchor::kShared : Anchor::kGop;
   DEPTHFARM_RETURN_IF_ERROR(read("p-threshold", proto.p_threshold(), params.p_threshold));
   DEPTHFARM_RETURN_IF_ERROR(read("i-threshold", proto.i_threshold(), params.i_threshold));
   DEPTHFARM_RETURN_IF_ERROR(read("level-blocks", proto.level_blocks(), params.level_blocks));

@@ -87,6 +87,12 @@ Status ParseGop(std::string_view text, int& gop) {
   return {};
 }
 
+Status ParseAnchor(std::string_view text, Anchor& anchor) {
+  if (text != "gop" && text != "shared") return Refuse("anchor", text, "gop or shared");
+  anchor = text == "shared" ? Anchor::kShared : Anchor::kGop;
+  return {};
+}
+
 Status ParsePartition(std::string_view text, Partition& partition) {
   if (text == "blocks") {
     partition = Partition::kContiguous;
@@ -161,6 +167,8 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      }},
     {"gop", "N|all", "Frames from one I frame to the next; 1: every frame on its own; all: one I frame; default 10",
      [](std::string_view text, EstimationParams& params) { return ParseGop(text, params.gop); }},
+    {"anchor", "gop|shared", "Each GOP has an I frame of its own, or all refer to that of the first; default gop",
+     [](std::string_view text, EstimationParams& params) { return ParseAnchor(text, params.anchor); }},
     {"p-threshold", "T", "Colour change below which a segment keeps its depth of the frame before; default 3",
      [](std::string_view text, EstimationParams& params) {
        return ParseInteger("p-threshold", text, params.p_threshold);

@@ -26,7 +26,7 @@ Status AddGuides(const EstimationParams& params, Sequence& sequence) {
 
 std::string BlocksText(const ResolvedJob& job) {
   std::string text = "n = " + std::to_string(job.level_blocks_i);
-  if (job.params.gop > 1 && job.num_frames > 1 && job.level_blocks_p != job.level_blocks_i) {
+  if (job.HasPFrames() && job.level_blocks_p != job.level_blocks_i) {
     text += " (P frames " + std::to_string(job.level_blocks_p) + ")";
   }
   if (job.level_blocks_i > 1) {

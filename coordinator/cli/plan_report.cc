@@ -26,8 +26,6 @@ std::string Range(const std::string& least, const std::string& most) {
   return least == most ? least : least + " to " + most;
 }
 
-bool HasPFrames(const ResolvedJob& job) { return job.params.gop > 1 && job.num_frames > 1; }
-
 Choice SegmentsChoice(const ResolvedJob& job) {
   const auto [least, most] = std::ranges::minmax_element(job.views, {}, &JobView::segments);
   const auto pixels_of_one = [](const JobView& view) {
@@ -53,7 +51,7 @@ Choice LevelsChoice(const ResolvedJob& job) {
 Choice BlocksChoice(const ResolvedJob& job) {
   const bool sparse = job.params.search == Search::kSparse;
   std::string value = std::to_string(job.level_blocks_i);
-  if (HasPFrames(job) && job.level_blocks_p != job.level_blocks_i)
+  if (job.HasPFrames() && job.level_blocks_p != job.level_blocks_i)
     value += ", P frames " + std::to_string(job.level_blocks_p);
   std::string reason = "one task searches all levels of a frame: ";
   reason += sparse ? "its matches and beliefs take less than 350 MB" : "splitting would cost more than it saves";
@@ -67,7 +65,9 @@ Choice BlocksChoice(const ResolvedJob& job) {
 Choice GopsChoice(const ResolvedJob& job) {
   const int gops = (job.num_frames + job.params.gop - 1) / job.params.gop;
   std::string reason = "every frame is an I frame, estimated on its own";
-  if (HasPFrames(job)) {
+  if (job.params.anchor == Anchor::kShared && gops > 1) {
+    reason = "all refer to the first frame, the only I frame; GOPs side by side once that is done";
+  } else if (job.HasPFrames()) {
     const int p_frames = std::min(job.params.gop, job.num_frames) - 1;
     const bool alike = job.num_frames % std::min(job.params.gop, job.num_frames) == 0;
     reason = std::string("an I frame and ") + (alike ? "" : "up to ") +

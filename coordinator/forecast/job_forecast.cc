@@ -67,8 +67,7 @@ std::vector<int> LengthsToPlay(int frames) {
   return lengths;
 }
 
-// Exact sums: I frames are alike, and so are P frames, but for the first one of a GOP, which finds the I frame and the
-// frame before it in one.
+// Exact sums: I frames are alike, and so are P frames, but for those that find the I frame and the frame before in one.
 std::vector<StageForecast> Stages(const ResolvedJob& job) {
   std::array<StageForecast, kNumTaskKinds> stages;
   const auto add = [&](TaskKind kind, const TaskCost& cost, std::uint64_t read, std::uint64_t times) {
@@ -81,18 +80,21 @@ std::vector<StageForecast> Stages(const ResolvedJob& job) {
     stage.result_bytes += cost.result_bytes * times;
     stage.read_bytes += read * times;
   };
-  const int gop = job.params.gop;
-  const Part sample(job, std::min({3, gop, job.num_frames}));
-  const auto frames = static_cast<std::uint64_t>(job.num_frames);
-  const auto i_frames = static_cast<std::uint64_t>((job.num_frames + gop - 1) / gop);
-  const std::uint64_t last_alone = job.num_frames % gop == 1 ? 1 : 0;
-  const std::uint64_t first_p_frames = gop == 1 ? 0 : i_frames - last_alone;
-  const std::array<std::uint64_t, 3> times = {i_frames, first_p_frames, frames - i_frames - first_p_frames};
+  const auto sort_of = [&](int frame) -> std::size_t {
+    if (job.IsIFrame(frame)) return 0;
+    return job.PreviousOf(frame) == job.IFrameOf(frame) ? 1 : 2;
+  };
+  std::array<std::uint64_t, 3> times{};
+  for (int frame = 0; frame < job.num_frames; ++frame) ++times[sort_of(frame)];
+  const Part sample(job, std::min(4, job.num_frames));  // has each sort that the job has
+  std::array<int, 3> frame_of{-1, -1, -1};
+  for (int frame = sample.plan.resolved().num_frames - 1; frame >= 0; --frame) frame_of[sort_of(frame)] = frame;
   const TaskGraph& graph = sample.graph;
   for (TaskGraph::Index index = 0; index + 1 < graph.size(); ++index) {
     const TaskId& id = graph.task(index);
-    const std::uint64_t of_frame = times[static_cast<std::size_t>(id.frame)];
-    add(id.kind, graph.cost(index), graph.BytesRead(index), id.kind == TaskKind::kPrepare ? 1 : of_frame);
+    if (frame_of[sort_of(id.frame)] != id.frame) continue;
+    add(id.kind, graph.cost(index), graph.BytesRead(index),
+        id.kind == TaskKind::kPrepare ? 1 : times[sort_of(id.frame)]);
   }
   add(TaskKind::kManifest, CostModel(job).Of(sample.plan.OfJob(TaskKind::kManifest)), 0, 1);
 
@@ -161,28 +163,32 @@ class Extrapolation {
   }
 
   // Workers have a GOP each, again and again, and share those that are left in the end; or there are several to a GOP.
-  // Either way a farm is as many small ones side by side as there are workers for each of these.
+  // Either way a farm is as many small ones side by side as there are workers for each of these. An I frame that all
+  // GOPs refer to comes before, with all workers.
   [[nodiscard]] Figures OfManyGops(int workers) {
     const int gop = job_.params.gop;
     const int gops = (job_.num_frames + gop - 1) / gop;
+    const bool shared = job_.params.anchor == Anchor::kShared;
+    const int before = shared ? 1 : 0;  // frames
+    double farms = static_cast<double>(gops) / whole_gops_;
+    int small = std::max(1, static_cast<int>(std::lround(workers / farms)));
+    Figures figures;
     if (workers >= gops) {
-      const double farms = static_cast<double>(gops) / whole_gops_;
-      Figures figures = Play(whole_gops_ * gop, std::max(1, static_cast<int>(std::lround(workers / farms))));
-      figures.cpu *= farms;
-      figures.moved *= farms;
-      return figures;
+      figures = Play(whole_gops_ * gop, small);
+    } else {
+      small = std::clamp(whole_gops_ / 2, 1, workers);
+      farms = static_cast<double>(workers) / small;
+      const double frames = before + (job_.num_frames - before) / farms;
+      const int turn = small * gop;  // frames
+      // The same rest as that of the whole, so that the last turn is alike.
+      const int rest = static_cast<int>(frames) % turn;
+      const int first = rest <= before || rest + 2 * turn <= whole_gops_ * gop ? rest + turn : rest;
+      figures = Line({first, first + turn}, small, frames);
     }
-    const int small = std::clamp(whole_gops_ / 2, 1, workers);
-    const double farms = static_cast<double>(workers) / small;
-    const double frames = job_.num_frames / farms;
-    const int turn = small * gop;  // frames
-    // The same rest as that of the whole, so that the last turn is alike.
-    const int rest = static_cast<int>(frames) % turn;
-    const int first = rest == 0 || rest + 2 * turn <= whole_gops_ * gop ? rest + turn : rest;
-    Figures figures = Line({first, first + turn}, small, frames);
-    figures.cpu *= farms;
-    figures.moved *= farms;
-    return figures;
+    const Figures of_all = shared ? Play(1, workers) : Figures();
+    const Figures of_small = shared ? Play(1, small) : Figures();
+    return {of_all.wall + figures.wall - of_small.wall, of_all.cpu + farms * (figures.cpu - of_small.cpu),
+            of_all.moved + farms * (figures.moved - of_small.moved)};
   }
 
   [[nodiscard]] Figures Line(const std::vector<int>& lengths, int workers, double frames) {

@@ -12,15 +12,18 @@ TaskGraph::TaskGraph(const JobPlan& plan, const CostModel& model) {
     needs_begin_.push_back(needs_.size());
   };
   add(plan.OfJob(TaskKind::kPrepare));
+  std::map<TaskId, Index> of_all = {{plan.OfJob(TaskKind::kPrepare), 0}};  // else GOPs need nothing of each other
   for (int gop = 0; gop < plan.num_gops(); ++gop) {
     gop_begin_.push_back(static_cast<Index>(tasks_.size()));
-    std::map<TaskId, Index> index_of = {{plan.OfJob(TaskKind::kPrepare), 0}};  // GOPs need nothing of each other
+    std::map<TaskId, Index> index_of = of_all;
     for (const TaskId& id : plan.TasksOfGop(gop)) {
       index_of[id] = static_cast<Index>(tasks_.size());
       add(id);
       for (const TaskId& needed : plan.Prerequisites(id)) needs_.push_back(index_of.at(needed));
       std::sort(needs_.begin() + static_cast<std::ptrdiff_t>(needs_begin_.back()), needs_.end());
     }
+    if (gop > 0) continue;
+    for (const TaskId& id : plan.SharedByGops()) of_all[id] = index_of.at(id);
   }
   gop_begin_.push_back(static_cast<Index>(tasks_.size()));
   add(plan.OfJob(TaskKind::kManifest));

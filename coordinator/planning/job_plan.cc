@@ -111,6 +111,17 @@ int JobPlan::RefineRoundAfter(int frame, int round) const {
   return round == 0 ? resolved().FirstRefineRound(frame) : round + 1;
 }
 
+std::vector<TaskId> JobPlan::SharedByGops() const {
+  std::vector<TaskId> tasks;
+  if (!shares_i_frame()) return tasks;
+  for (int view = 0; view < resolved().num_views(); ++view) {
+    tasks.push_back({job_.config.job, 0, TaskKind::kAnalyse, view, 0});
+    if (resolved().params.refine_rounds > 0) tasks.push_back(Refined(0, view));
+  }
+  tasks.push_back(FinalLabels(0));
+  return tasks;
+}
+
 TaskId JobPlan::Assessed(int frame, int view) const { return {job_.config.job, frame, TaskKind::kAssess, view, 0}; }
 
 void JobPlan::AddAnalyses(int frame, InputRole role, std::vector<PlannedInput>& inputs) const {
@@ -126,10 +137,10 @@ void JobPlan::AddInputsOfRefine(const TaskId& id, std::vector<PlannedInput>& inp
     const int i_frame = resolved().IFrameOf(id.frame);
     const bool refers = i_frame != id.frame;
     inputs.push_back({analysis(id.frame, own), InputRole::kAnalysis, own});
-    if (refers) inputs.push_back({analysis(id.frame - 1, own), InputRole::kPreviousAnalysis, own});
+    if (refers) inputs.push_back({analysis(resolved().PreviousOf(id.frame), own), InputRole::kPreviousAnalysis, own});
     if (refers) inputs.push_back({analysis(i_frame, own), InputRole::kIAnalysis, own});
     inputs.push_back({FinalLabels(id.frame), InputRole::kLabels, 0});
-    if (refers) inputs.push_back({Refined(id.frame - 1, own), InputRole::kPreviousRefined, own});
+    if (refers) inputs.push_back({Refined(resolved().PreviousOf(id.frame), own), InputRole::kPreviousRefined, own});
     if (refers) inputs.push_back({Refined(i_frame, own), InputRole::kIRefined, own});
     return;
   }
@@ -152,8 +163,8 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
       AddAnalyses(id.frame, InputRole::kAnalysis, inputs);
       if (resolved().IsIFrame(id.frame)) break;
       const int i_frame = resolved().IFrameOf(id.frame);
-      AddAnalyses(id.frame - 1, InputRole::kPreviousAnalysis, inputs);
-      inputs.push_back({FinalLabels(id.frame - 1), InputRole::kPreviousLabels, 0});
+      AddAnalyses(resolved().PreviousOf(id.frame), InputRole::kPreviousAnalysis, inputs);
+      inputs.push_back({FinalLabels(resolved().PreviousOf(id.frame)), InputRole::kPreviousLabels, 0});
       AddAnalyses(i_frame, InputRole::kIAnalysis, inputs);
       inputs.push_back({FinalLabels(i_frame), InputRole::kILabels, 0});
       break;
@@ -184,8 +195,9 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
       break;
     case TaskKind::kAnalyse:
       if (!resolved().IsIFrame(id.frame))
-        inputs.push_back(
-            {{id.job, id.frame - 1, TaskKind::kAnalyse, id.index, 0}, InputRole::kPreviousAnalysis, id.index});
+        inputs.push_back({{id.job, resolved().PreviousOf(id.frame), TaskKind::kAnalyse, id.index, 0},
+                          InputRole::kPreviousAnalysis,
+                          id.index});
       break;
     case TaskKind::kPrepare:
     case TaskKind::kRender:
@@ -210,7 +222,7 @@ std::vector<TaskId> JobPlan::Prerequisites(const TaskId& id) const {
 
 std::uint64_t JobPlan::Total(TaskKind kind) const {
   const auto frames = static_cast<std::uint64_t>(resolved().num_frames);
-  const auto i_frames = static_cast<std::uint64_t>(num_gops());
+  const std::uint64_t i_frames = shares_i_frame() ? 1 : static_cast<std::uint64_t>(num_gops());
   const std::uint64_t p_frames = frames - i_frames;
   switch (kind) {
     case TaskKind::kPrepare:

@@ -59,7 +59,7 @@ class JobPlan {
   [[nodiscard]] int num_gops() const;
   // All tasks of a GOP, prerequisites before what needs them.
   [[nodiscard]] std::vector<TaskId> TasksOfGop(int gop) const;
-  [[nodiscard]] int GopOf(int frame) const { return frame / resolved().params.gop; }
+  [[nodiscard]] int GopOf(int frame) const { return resolved().GopOf(frame); }
 
   // Prepare, Manifest, Cleanup.
   [[nodiscard]] TaskId OfJob(TaskKind kind) const { return {job_.config.job, 0, kind, 0, 0}; }
@@ -74,6 +74,10 @@ class JobPlan {
   [[nodiscard]] TaskId FinalLabels(int frame) const;
   // The task whose result is the refined depth of the view after `round` rounds; -1: after the last.
   [[nodiscard]] TaskId Refined(int frame, int view, int round = -1) const;
+  // Whether GOPs refer to the I frame of the first one.
+  [[nodiscard]] bool shares_i_frame() const { return resolved().params.anchor == Anchor::kShared && num_gops() > 1; }
+  // The tasks of the first frame whose results those GOPs read.
+  [[nodiscard]] std::vector<TaskId> SharedByGops() const;
   // The confidence of a view; only of jobs that ask for it (EstimationParams::assesses).
   [[nodiscard]] TaskId Assessed(int frame, int view) const;
   // How many tasks of a kind the job has (Cleanup: 0).

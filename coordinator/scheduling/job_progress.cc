@@ -54,6 +54,12 @@ void JobProgress::OpenNextGop() {
     Queue(id);
   }
   open_gops_[next_gop_++] = frames;
+  if (next_gop_ == 1) {
+    for (const TaskId& id : plan_.SharedByGops()) ++table_.Find(id)->consumers;
+  }
+  if (next_gop_ == plan_.num_gops()) {  // all who read them count by now
+    for (const TaskId& id : plan_.SharedByGops()) NotNeededBy(id);
+  }
   Settle();
 }
 
@@ -118,15 +124,27 @@ void JobProgress::Reopen(const TaskId& id) {
 void JobProgress::MarkDone(const TaskId& id) {
   table_.SetState(id, TaskState::kDone);
   ++Stage(id.kind).tasks_done;
-  for (const TaskId& needed : plan_.Prerequisites(id)) {
-    Task* other = table_.Find(needed);
-    if (--other->consumers > 0 || !MakesArtifact(needed.kind)) continue;
-    if (other->artifact && !Needs(other->artifact->key)) released_.push_back(other->artifact->key);
-    Queue(needed);  // a lost one need not run again
-  }
+  for (const TaskId& needed : plan_.Prerequisites(id)) NotNeededBy(needed);
   const std::vector<TaskId> watchers = std::exchange(table_.Find(id)->watchers, {});
   for (const TaskId& watcher : watchers) Queue(watcher);
   if (id.kind == TaskKind::kCommit) CommitFrame(id.frame);
+}
+
+void JobProgress::NotNeededBy(const TaskId& id) {
+  Task* task = table_.Find(id);
+  if (--task->consumers > 0 || !MakesArtifact(id.kind)) return;
+  if (task->artifact && !Needs(task->artifact->key)) released_.push_back(task->artifact->key);
+  Queue(id);  // a lost one need not run again
+}
+
+void JobProgress::RemoveTasks(int gop, bool of_shared_frame) {
+  for (const TaskId& id : plan_.TasksOfGop(gop)) {
+    if ((plan_.shares_i_frame() && id.frame == 0) != of_shared_frame) continue;
+    const Task* task = table_.Find(id);
+    if (task->artifact) ForgetProducer(id, task->artifact->key);
+    if (task->state != TaskState::kDone) ++Stage(id.kind).tasks_done;  // done before, lost, and being made for nobody
+    table_.Remove(id);
+  }
 }
 
 void JobProgress::CommitFrame(int frame) {
@@ -139,16 +157,11 @@ void JobProgress::CommitFrame(int frame) {
   ++frames_done_;
   const int gop = plan_.GopOf(frame);
   if (--open_gops_.at(gop) == 0) {
-    for (const TaskId& id : plan_.TasksOfGop(gop)) {
-      const Task* task = table_.Find(id);
-      if (task->artifact) ForgetProducer(id, task->artifact->key);
-      if (task->state != TaskState::kDone)
-        ++Stage(id.kind).tasks_done;  // done before, lost, and being made again for nobody
-      table_.Remove(id);
-    }
+    RemoveTasks(gop, false);
     open_gops_.erase(gop);
   }
   if (frames_done_ == plan_.resolved().num_frames) {
+    if (plan_.shares_i_frame()) RemoveTasks(0, true);
     table_.Add(plan_.OfJob(TaskKind::kManifest));
     Queue(plan_.OfJob(TaskKind::kManifest));
   }

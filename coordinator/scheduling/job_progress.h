@@ -105,6 +105,10 @@ class JobProgress {
   void Reopen(const TaskId& id);
   void MarkDone(const TaskId& id);
   void CommitFrame(int frame);
+  // One task less reads what the task makes.
+  void NotNeededBy(const TaskId& id);
+  // Of a GOP whose frames are committed: those of the I frame that all GOPs share, or all others.
+  void RemoveTasks(int gop, bool of_shared_frame);
   void SetArtifact(const TaskId& id, const ArtifactInfo& artifact);
   void ForgetProducer(const TaskId& id, const ArtifactKey& key);
   [[nodiscard]] std::vector<TaskInput> BoundInputs(const TaskId& id) const;

@@ -195,7 +195,7 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
   ++next_lease_;
   job.last_grant = lease_id.value();
   if (!EndsAFrameOrJob(placement.task.kind)) {
-    job.homes.Claim(placement.task.frame / job.progress->plan().resolved().params.gop, placement.worker);
+    job.homes.Claim(job.progress->plan().GopOf(placement.task.frame), placement.worker);
   }
   Worker& worker = *workers_.Find(placement.worker);
   if (const std::optional<ArtifactInfo> known = KnownOf(job, placement.task)) {

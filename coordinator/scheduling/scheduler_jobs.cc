@@ -46,7 +46,7 @@ void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease&
            {"cpu", std::to_string(event.stats.cpu_seconds)}});
   ReleaseArtifactsOf(job);
   if (event.task.kind == TaskKind::kCommit) {
-    const int gop = event.task.frame / job.progress->plan().resolved().params.gop;
+    const int gop = job.progress->plan().GopOf(event.task.frame);
     if (!job.progress->open_gops().contains(gop)) job.homes.End(gop);
   }
   if (!job.progress->done()) return;

@@ -16,6 +16,7 @@ struct JobShape {
   int blocks_p = 1;
   int refine = 0;
   bool confidence = false;
+  Anchor anchor = Anchor::kGop;
 };
 
 // `count` views of a camera as small as can be.
@@ -53,6 +54,7 @@ inline PlannedJob MakePlannedJob(const JobShape& shape) {
   job.config.output_dir = "/out/" + std::to_string(shape.id);
   ResolvedJob& resolved = job.config.resolved;
   resolved.params.gop = shape.gop;
+  resolved.params.anchor = shape.anchor;
   resolved.params.levels = 16;
   resolved.params.z_near = 1;
   resolved.params.z_far = 2;

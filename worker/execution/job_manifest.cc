@@ -38,6 +38,7 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"uniqueness", integer(params.uniqueness)},
       {"snicCompactness", params.snic_compactness},
       {"gop", integer(params.gop)},
+      {"anchor", params.anchor == Anchor::kShared ? "shared" : "gop"},
       {"pThreshold", integer(params.p_threshold)},
       {"iThreshold", integer(params.i_threshold)},
       {"levelBlocksI", integer(job.level_blocks_i)},

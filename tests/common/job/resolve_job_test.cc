@@ -390,6 +390,25 @@ TEST(ResolvedJob, EveryGopStartsWithAnIFrame) {
   for (int frame = 0; frame < 5; ++frame) EXPECT_TRUE(job.IsIFrame(frame));
 }
 
+TEST(ResolvedJob, WithASharedAnchorTheFirstFrameIsTheOnlyIFrame) {
+  ResolvedJob job;
+  job.params.anchor = Anchor::kShared;
+  job.params.gop = 3;
+  for (int frame = 0; frame < 12; ++frame) {
+    EXPECT_EQ(job.IsIFrame(frame), frame == 0) << frame;
+    EXPECT_EQ(job.IFrameOf(frame), 0);
+    EXPECT_EQ(job.GopOf(frame), frame / 3);
+    if (frame > 0) {
+      EXPECT_EQ(job.PreviousOf(frame), frame % 3 == 0 ? 0 : frame - 1);
+    }
+  }
+  job.params.gop = 1;
+  job.num_frames = 2;
+  EXPECT_TRUE(job.HasPFrames());
+  job.num_frames = 1;
+  EXPECT_FALSE(job.HasPFrames());
+}
+
 TEST(ResolveJob, OrderOfTheCamerasInTheFileChangesNothing) {
   const Sequence sequence = LineSequence({0, 0.1, 0.5, 0.6, 0.65});
   Sequence reversed = sequence;

@@ -71,6 +71,7 @@ EstimationParams TestParams() {
   params.uniqueness = 60;
   params.snic_compactness = 6.5;
   params.gop = 4;
+  params.anchor = Anchor::kShared;
   params.p_threshold = 4;
   params.i_threshold = 2;
   params.level_blocks = 8;

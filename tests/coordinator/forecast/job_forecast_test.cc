@@ -18,7 +18,10 @@ TEST(Forecast, StagesAreTheSumsOfAllTasks) {
        {JobShape{.frames = 1, .gop = 10, .blocks_i = 3}, JobShape{.frames = 7, .gop = 3, .views = 3, .refine = 2},
         JobShape{.frames = 8, .gop = 3, .refine = 1, .confidence = true},
         JobShape{.frames = 9, .gop = 4, .blocks_p = 2}, JobShape{.frames = 5, .gop = 1},
-        JobShape{.frames = 6, .gop = 2}, JobShape{.frames = 6, .gop = 100}}) {
+        JobShape{.frames = 6, .gop = 2}, JobShape{.frames = 6, .gop = 100},
+        JobShape{.frames = 7, .gop = 1, .anchor = Anchor::kShared},
+        JobShape{.frames = 9, .gop = 2, .refine = 3, .anchor = Anchor::kShared},
+        JobShape{.frames = 11, .gop = 4, .refine = 3, .anchor = Anchor::kShared}}) {
     const JobPlan plan(MakeSizedJob(shape));
     const CostModel model(plan.resolved());
     const TaskGraph graph(plan, model);
@@ -68,9 +71,11 @@ TEST(Forecast, OfOneFarmWhenItIsNamed) {
 
 // What is played in part comes close to what is played as a whole.
 TEST(Forecast, ExtrapolatesLongJobs) {
-  for (const JobShape& shape :
-       {JobShape{.frames = 400, .gop = 5, .refine = 2}, JobShape{.frames = 300, .gop = 1000, .refine = 2}}) {
+  for (const JobShape& shape : {JobShape{.frames = 400, .gop = 5, .refine = 2},
+                                JobShape{.frames = 400, .gop = 5, .refine = 2, .anchor = Anchor::kShared},
+                                JobShape{.frames = 300, .gop = 1000, .refine = 2}}) {
     const ResolvedJob job = Resolved(shape);
+    const bool shared = shape.anchor == Anchor::kShared;
     for (const auto& [workers, most_tasks] : {std::pair(1, 600), {3, 600}, {8, 600}, {7, 3000}, {100, 3000}}) {
       const JobForecast whole = Forecast(job, {.workers = workers});
       const JobForecast part =
@@ -78,9 +83,10 @@ TEST(Forecast, ExtrapolatesLongJobs) {
       ASSERT_FALSE(whole.extrapolated());
       ASSERT_TRUE(part.extrapolated());
       EXPECT_EQ(part.played_frames % std::min(shape.gop, part.played_frames), 0);
-      EXPECT_NEAR(part.farms[0].wall_seconds / whole.farms[0].wall_seconds, 1, 0.05) << workers;
+      EXPECT_NEAR(part.farms[0].wall_seconds / whole.farms[0].wall_seconds, 1, shared ? 0.08 : 0.05) << workers;
       EXPECT_NEAR(part.farms[0].cpu_seconds / whole.farms[0].cpu_seconds, 1, 0.03) << workers;
       EXPECT_NEAR(part.critical_seconds / whole.critical_seconds, 1, 0.03) << workers;
+      if (shared) continue;  // how workers share the last GOPs, which end at different times, decides
       const auto moved = static_cast<double>(whole.farms[0].moved_bytes);
       EXPECT_NEAR(static_cast<double>(part.farms[0].moved_bytes), moved, 0.15 * moved) << workers;
     }

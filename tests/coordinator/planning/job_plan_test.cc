@@ -112,6 +112,25 @@ TEST(JobPlan, AnalysesOfPFramesFollowOneAnother) {
               testing::ElementsAre(PlannedInput{Id(TaskKind::kAnalyse, 4, 1), InputRole::kPreviousAnalysis, 1}));
 }
 
+TEST(JobPlan, WithASharedAnchorAGopBeginsWithAPFrameThatReadsTheFirstFrameAlone) {
+  const JobPlan plan(MakePlannedJob({.frames = 9, .gop = 3, .views = 2, .refine = 3, .anchor = Anchor::kShared}));
+  std::vector<PlannedInput> inputs;
+  for (const TaskId& id : plan.TasksOfGop(2)) {
+    if (id.frame != 6) continue;
+    for (const PlannedInput& input : plan.Inputs(id)) {
+      if (input.producer.frame == 6) continue;
+      EXPECT_EQ(input.producer.frame, 0);
+      const std::vector<TaskId> shared = plan.SharedByGops();
+      EXPECT_NE(std::ranges::find(shared, input.producer), shared.end()) << TaskName(input.producer);
+      inputs.push_back(input);
+    }
+  }
+  // Analyse 2 views x 1; Estimate 2 x 2 analyses and 2 x labels; Refine 2 views x (2 analyses, 2 refined).
+  EXPECT_EQ(inputs.size(), 2U + 6U + 8U);
+  EXPECT_EQ(plan.Inputs({JobId(1), 7, TaskKind::kAnalyse, 1, 0}).at(0).producer.frame, 6);
+  EXPECT_EQ(plan.Total(TaskKind::kEstimate), 2U + 8U);
+}
+
 TEST(RefinePlan, APFrameDoesTheLastTwoRoundsAlone) {
   const JobPlan plan(MakePlannedJob({.frames = 2, .gop = 2, .views = 2, .refine = 4}));
   const auto rounds_of = [&](int frame) {

@@ -371,6 +371,39 @@ TEST(Scheduler, TheIFrameIsKeptUntilTheLastPFrameHasReadIt) {
   }
 }
 
+TEST(Scheduler, ASharedIFrameIsKeptUntilTheLastGopHasReadIt) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 12, .gop = 2, .views = 2, .refine = 1, .anchor = Anchor::kShared}));
+  const WorkerId worker = farm.JoinAndAsk();
+  const ArtifactKey of_i_frame = Sha256("/in/cam0/0.png");
+  while (farm.ended.empty()) {
+    const TaskId id = farm.Running(worker).task.spec.id;
+    const auto released = [&](const Release& release) {
+      return std::ranges::find(release.keys, of_i_frame) != release.keys.end();
+    };
+    if (id.kind != TaskKind::kManifest && id.frame < 10) {
+      EXPECT_TRUE(std::ranges::none_of(farm.releases, released)) << TaskName(id);
+    }
+    farm.Finish(worker);
+  }
+  EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kDone);
+  EXPECT_TRUE(farm.scheduler.Jobs().empty());
+  EXPECT_EQ(farm.CountGrants(TaskKind::kAnalyse, 0), 2);
+}
+
+TEST(Scheduler, ASharedIFrameThatIsLostIsMadeAgainForALaterGop) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 12, .gop = 2, .views = 2, .refine = 1, .anchor = Anchor::kShared}));
+  const WorkerId first = farm.JoinAndAsk();
+  while (farm.Running(first).task.spec.id.frame < 6) farm.Finish(first);
+  farm.Leave(first);
+  farm.JoinAndAsk();
+  farm.RunToTheEnd();
+  EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kDone);
+  EXPECT_EQ(farm.CountGrants(TaskKind::kAnalyse, 0), 4);
+  EXPECT_EQ(farm.CountGrants(TaskKind::kAnalyse, 2), 2);
+}
+
 TEST(Scheduler, OpensGopsOnlyAsWorkersNeedThem) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.frames = 1000, .gop = 1, .views = 2}));

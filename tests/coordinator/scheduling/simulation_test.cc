@@ -55,7 +55,8 @@ class Chaos {
                                  .blocks_i = 1 + Below(5),
                                  .blocks_p = 1 + Below(2),
                                  .refine = refine,
-                                 .confidence = refine > 0 && Below(2) == 0}),
+                                 .confidence = refine > 0 && Below(2) == 0,
+                                 .anchor = Below(2) == 0 ? Anchor::kShared : Anchor::kGop}),
                  Below(2), Tags());
   }
   [[nodiscard]] int submitted() const { return submitted_; }
