@@ -78,7 +78,8 @@ struct TaskSpec {
   std::string picture;             // Analyse: absolute path
   GuideFiles guides;               // Analyse
   std::string staging;             // Emit, Render, Commit: folder below DIR/.depthfarm-staging
-  std::vector<OutputFile> files;   // Commit: of the frame; Manifest: of all frames, by frame, then view
+  // Commit: of the frame; Manifest: of all frames, by frame, then view; Prepare: those that must be there already.
+  std::vector<OutputFile> files;
   std::vector<ContentDigest> picture_digests;  // Manifest: of each picture, by frame, then view
   std::vector<VirtualPicture> views;           // Render: of the part; Manifest of a rendering job: all, as `files`
   bool operator==(const TaskSpec&) const = default;

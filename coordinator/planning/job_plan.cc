@@ -212,7 +212,7 @@ std::vector<PlannedInput> JobPlan::Inputs(const TaskId& id) const {
 std::vector<TaskId> JobPlan::Prerequisites(const TaskId& id) const {
   std::vector<TaskId> tasks;
   for (const PlannedInput& input : Inputs(id)) tasks.push_back(input.producer);
-  if (StagesFiles(id.kind)) tasks.push_back(OfJob(TaskKind::kPrepare));
+  if (StagesFiles(id.kind) || id.kind == TaskKind::kManifest) tasks.push_back(OfJob(TaskKind::kPrepare));
   if (id.kind == TaskKind::kCommit)
     tasks.push_back({id.job, id.frame, renders() ? TaskKind::kRender : TaskKind::kEmit, 0, 0});
   std::sort(tasks.begin(), tasks.end());

@@ -66,8 +66,8 @@ class JobPlan {
 
   // What a task reads, in the order of its TaskSpec: by role, then by view.
   [[nodiscard]] std::vector<PlannedInput> Inputs(const TaskId& id) const;
-  // The tasks that must be done before `id`, each once, ascending. Manifest, which needs every Commit, lists none: the
-  // caller counts.
+  // The tasks that must be done before `id`, each once, ascending. Manifest, which needs every Commit, lists Prepare
+  // alone: the caller counts.
   [[nodiscard]] std::vector<TaskId> Prerequisites(const TaskId& id) const;
 
   // The task whose result is the label field of the frame.

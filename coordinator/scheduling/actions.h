@@ -44,6 +44,12 @@ struct ForgetJob {
   WorkerId worker;
   JobId job;
 };
+// A frame's files are in place. What is remembered of it lets the job go on from there (JobSubmitted::committed).
+struct FrameCommitted {
+  JobId job;
+  int frame = 0;
+  CommittedFrame committed;
+};
 // The job left the scheduler; this is the last that it knows of it.
 struct JobEnded {
   JobSnapshot job;
@@ -65,8 +71,8 @@ struct Note {
   std::vector<std::pair<std::string, std::string>> fields;
 };
 
-using Action =
-    std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, ForgetJob, JobEnded, WorkerLost, EndWorker, Note>;
+using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, ForgetJob, FrameCommitted, JobEnded,
+                            WorkerLost, EndWorker, Note>;
 
 }  // namespace depthfarm
 

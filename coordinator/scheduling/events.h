@@ -12,6 +12,7 @@
 #include "common/base/status.h"
 #include "common/job/task_spec.h"
 #include "coordinator/planning/job_plan.h"
+#include "coordinator/scheduling/committed_frame.h"
 
 namespace depthfarm {
 
@@ -26,6 +27,8 @@ struct JobSubmitted {
   std::string name;
   int priority = 0;                 // larger first
   std::set<std::string> tags = {};  // that a worker must have
+  // Of a job that goes on after it failed, was cancelled or lost its coordinator: frames that need not be done again.
+  CommittedFrames committed = {};
 };
 struct JobCancelled {
   JobId job;

@@ -27,7 +27,8 @@ std::vector<WorkerId> HoldersToTell(const ArtifactDirectory& directory, const Ar
   return holders;
 }
 
-JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks)
+JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks,
+                         const CommittedFrames& committed)
     : plan_(std::move(job)),
       keys_(plan_.job().config),
       costs_(plan_.resolved()),
@@ -39,28 +40,75 @@ JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int
   for (int kind = 0; kind < kNumTaskKinds; ++kind) {
     stages_[static_cast<std::size_t>(kind)].tasks_total = plan_.Total(static_cast<TaskKind>(kind));
   }
+  if (!committed.empty()) committed_before_.resize(frames);
+  const std::size_t views = plan_.resolved().views.size();
+  for (const auto& [frame, done] : committed) {
+    const auto f = static_cast<std::size_t>(frame);
+    done_files_[f] = done.files;
+    committed_before_[f] = true;
+    std::ranges::copy(done.picture_digests, picture_digests_.begin() + static_cast<std::ptrdiff_t>(f * views));
+    files_done_ += static_cast<int>(done.files.size());
+    ++frames_done_;
+  }
   table_.Add(plan_.OfJob(TaskKind::kPrepare));
   Queue(plan_.OfJob(TaskKind::kPrepare));
+  if (frames_done_ == plan_.resolved().num_frames) AddManifest();
   Settle();
 }
 
+bool JobProgress::IsBehind(const TaskId& id) const {
+  return !committed_before_.empty() && EndsAFrameOrJob(id.kind) &&
+         committed_before_[static_cast<std::size_t>(id.frame)];
+}
+
+bool JobProgress::PassOver(int gop) {
+  const bool all_committed = frames_done_ == plan_.resolved().num_frames;
+  if (committed_before_.empty() || (gop == 0 && plan_.shares_i_frame() && !all_committed)) return false;
+  const std::vector<TaskId> tasks = plan_.TasksOfGop(gop);
+  const auto done = [&](const TaskId& id) { return committed_before_[static_cast<std::size_t>(id.frame)]; };
+  if (!std::ranges::all_of(tasks, done)) return false;
+  for (const TaskId& id : tasks) {
+    ++Stage(id.kind).tasks_done;
+    ++Stage(id.kind).reused;
+  }
+  return true;
+}
+
 void JobProgress::OpenNextGop() {
-  const std::vector<TaskId> tasks = plan_.TasksOfGop(next_gop_);
+  while (HasUnopenedGop()) {
+    const bool passed_over = PassOver(next_gop_);
+    if (!passed_over) Open(next_gop_);
+    ++next_gop_;
+    if (!HasUnopenedGop()) {  // all who read what GOPs share count by now
+      for (const TaskId& id : plan_.SharedByGops())
+        if (table_.Find(id) != nullptr) NotNeededBy(id);
+      Settle();
+    }
+    if (!passed_over) return;
+  }
+}
+
+void JobProgress::Open(int gop) {
+  const std::vector<TaskId> tasks = plan_.TasksOfGop(gop);
   for (const TaskId& id : tasks) table_.Add(id);
   int frames = 0;
   for (const TaskId& id : tasks) {
+    if (IsBehind(id)) {
+      table_.SetState(id, TaskState::kDone);
+      ++Stage(id.kind).tasks_done;
+      ++Stage(id.kind).reused;
+      continue;
+    }
     for (const TaskId& needed : plan_.Prerequisites(id)) ++table_.Find(needed)->consumers;
     frames += id.kind == TaskKind::kCommit ? 1 : 0;
     Queue(id);
   }
-  open_gops_[next_gop_++] = frames;
-  if (next_gop_ == 1) {
+  if (gop == 0) {
     for (const TaskId& id : plan_.SharedByGops()) ++table_.Find(id)->consumers;
   }
-  if (next_gop_ == plan_.num_gops()) {  // all who read them count by now
-    for (const TaskId& id : plan_.SharedByGops()) NotNeededBy(id);
-  }
+  if (frames > 0) open_gops_[gop] = frames;
   Settle();
+  if (frames == 0) RemoveTasks(gop, false);  // of a first GOP that is committed but for its I frame that others need
 }
 
 void JobProgress::Settle() {
@@ -162,9 +210,32 @@ void JobProgress::CommitFrame(int frame) {
   }
   if (frames_done_ == plan_.resolved().num_frames) {
     if (plan_.shares_i_frame()) RemoveTasks(0, true);
-    table_.Add(plan_.OfJob(TaskKind::kManifest));
-    Queue(plan_.OfJob(TaskKind::kManifest));
+    AddManifest();
   }
+}
+
+void JobProgress::AddManifest() {
+  const TaskId manifest = plan_.OfJob(TaskKind::kManifest);
+  table_.Add(manifest);
+  for (const TaskId& needed : plan_.Prerequisites(manifest)) ++table_.Find(needed)->consumers;
+  Queue(manifest);
+}
+
+CommittedFrame JobProgress::CommittedOf(int frame) const {
+  const auto views = static_cast<std::ptrdiff_t>(plan_.resolved().views.size());
+  const auto first = picture_digests_.begin() + frame * views;
+  return {done_files_[static_cast<std::size_t>(frame)], {first, first + views}};
+}
+
+std::vector<OutputFile> JobProgress::DoneFiles() const {
+  std::vector<OutputFile> all;
+  for (int frame = 0; frame < plan_.resolved().num_frames; ++frame) {
+    const std::vector<CommittedFrame::File>& files = done_files_[static_cast<std::size_t>(frame)];
+    if (files.empty()) continue;
+    const std::vector<std::string> paths = plan_.OutputPaths(frame);
+    for (std::size_t i = 0; i < files.size(); ++i) all.push_back({paths[i], files[i].sha256, files[i].bytes});
+  }
+  return all;
 }
 
 void JobProgress::SetArtifact(const TaskId& id, const ArtifactInfo& artifact) {
@@ -230,16 +301,13 @@ TaskSpec JobProgress::Spec(const TaskId& id) const {
     spec.picture = job.pictures[view][frame];
     if (!job.guides.empty()) spec.guides = job.guides[view][frame];
   }
+  if (id.kind == TaskKind::kPrepare) spec.files = DoneFiles();
   if (id.kind == TaskKind::kCommit) {
     spec.staging = emitted_.at(id.frame).staging;
     spec.files = emitted_.at(id.frame).files;
   }
   if (id.kind == TaskKind::kManifest) {
-    for (int frame = 0; frame < plan_.resolved().num_frames; ++frame) {
-      const std::vector<std::string> paths = plan_.OutputPaths(frame);
-      const std::vector<DoneFile>& files = done_files_[static_cast<std::size_t>(frame)];
-      for (std::size_t i = 0; i < files.size(); ++i) spec.files.push_back({paths[i], files[i].sha256, files[i].bytes});
-    }
+    spec.files = DoneFiles();
     spec.picture_digests = picture_digests_;
     spec.views = plan_.job().views;
   }

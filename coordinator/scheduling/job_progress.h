@@ -31,8 +31,10 @@ namespace depthfarm {
 // of inputs that arrive. Estimate and Merge tasks whose artifact somebody holds already are done without running.
 class JobProgress {
  public:
-  // `directory` must outlive the job. Prepare is ready from the start.
-  JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks);
+  // `directory` must outlive the job. Prepare is ready from the start. `committed` frames are of the job, with as many
+  // files and digests as it has: their files are there, Prepare checks that, and only tasks that others need run again.
+  JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks,
+              const CommittedFrames& committed = {});
   JobProgress(const JobProgress&) = delete;
   JobProgress& operator=(const JobProgress&) = delete;
 
@@ -44,6 +46,7 @@ class JobProgress {
   [[nodiscard]] int num_open_gops() const { return static_cast<int>(open_gops_.size()); }
   // GOP -> how many of its frames are not committed.
   [[nodiscard]] const std::map<int, int>& open_gops() const { return open_gops_; }
+  // Passes over GOPs that were committed before.
   void OpenNextGop();
 
   // What names the work of a task that became ready: its output key, of Analyse its request; of other kinds nothing.
@@ -61,6 +64,9 @@ class JobProgress {
   // the task made other bytes under the same key (a determinism violation). kInternal: not what the task had to make;
   // the task stays leased.
   [[nodiscard]] Result<bool> Finish(const TaskFinished& result);
+
+  // Of a frame whose Commit is done.
+  [[nodiscard]] CommittedFrame CommittedOf(int frame) const;
 
   // The artifacts are held by nobody any more. Tasks that made them and that unfinished tasks need run again.
   void LoseArtifacts(const std::vector<ArtifactKey>& keys);
@@ -91,10 +97,6 @@ class JobProgress {
     std::string staging;
     std::vector<OutputFile> files;  // of each view
   };
-  struct DoneFile {
-    ContentDigest sha256{};
-    std::uint64_t bytes = 0;
-  };
 
   // Activation decides between blocked, ready and done by what is there now. It is queued, not nested: a reused chain
   // of P frames may be long.
@@ -105,6 +107,13 @@ class JobProgress {
   void Reopen(const TaskId& id);
   void MarkDone(const TaskId& id);
   void CommitFrame(int frame);
+  void AddManifest();
+  [[nodiscard]] std::vector<OutputFile> DoneFiles() const;
+  // Whether a task must not run again: it ends a frame that was committed before.
+  [[nodiscard]] bool IsBehind(const TaskId& id) const;
+  // True, and its tasks are counted, if all of a GOP was committed before and none of it is needed.
+  [[nodiscard]] bool PassOver(int gop);
+  void Open(int gop);
   // One task less reads what the task makes.
   void NotNeededBy(const TaskId& id);
   // Of a GOP whose frames are committed: those of the I frame that all GOPs share, or all others.
@@ -128,9 +137,10 @@ class JobProgress {
   int next_gop_ = 0;
   std::map<int, int> open_gops_;
   std::map<ArtifactKey, std::set<TaskId>> producers_;
-  std::map<int, EmittedFrame> emitted_;            // frames whose Commit is not done
-  std::vector<std::vector<DoneFile>> done_files_;  // [frame][view], for the manifest
-  std::vector<ContentDigest> picture_digests_;     // by frame, then view
+  std::map<int, EmittedFrame> emitted_;                        // frames whose Commit is not done
+  std::vector<std::vector<CommittedFrame::File>> done_files_;  // [frame][file], for the manifest
+  std::vector<bool> committed_before_;                         // frames that were when the job began; empty if none was
+  std::vector<ContentDigest> picture_digests_;                 // by frame, then view
   std::vector<ArtifactKey> released_;
   std::optional<TaskId> worn_out_;
   std::array<StageSnapshot, kNumTaskKinds> stages_;

@@ -18,11 +18,12 @@ void Scheduler::On(const JobSubmitted& event) {
   job.tags = event.tags;
   job.taken = workers_.AnyFor(job.tags);
   job.submitted = now_;
-  job.progress = std::make_unique<JobProgress>(event.job, directory_, options_.max_setbacks);
+  job.progress = std::make_unique<JobProgress>(event.job, directory_, options_.max_setbacks, event.committed);
   AddNote(Note::Severity::kInfo, "job_submitted",
           {{"job", std::to_string(id.value())},
            {"name", event.name},
            {"frames", std::to_string(event.job.config.resolved.num_frames)},
+           {"committed", std::to_string(event.committed.size())},
            {"views", std::to_string(event.job.config.resolved.num_views())}});
 }
 
@@ -46,6 +47,7 @@ void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease&
            {"cpu", std::to_string(event.stats.cpu_seconds)}});
   ReleaseArtifactsOf(job);
   if (event.task.kind == TaskKind::kCommit) {
+    Add(FrameCommitted{event.task.job, event.task.frame, job.progress->CommittedOf(event.task.frame)});
     const int gop = job.progress->plan().GopOf(event.task.frame);
     if (!job.progress->open_gops().contains(gop)) job.homes.End(gop);
   }

@@ -31,6 +31,10 @@ class FakeFarm {
   explicit FakeFarm(const SchedulerOptions& options = {}) : scheduler(options), lease_(options.lease) {}
 
   void Submit(const PlannedJob& job, int priority = 0, const std::set<std::string>& tags = {});
+  // On a farm that remembers these frames of it.
+  void Resume(const PlannedJob& job, const CommittedFrames& frames) {
+    Send(JobSubmitted{job, "job", 0, {}, frames});
+  }
   void Cancel(std::uint64_t job) { Send(JobCancelled{JobId(job)}); }
 
   WorkerId Join(int slots = 1, int ahead = 0);  // a new worker, which does not ask yet
@@ -74,6 +78,7 @@ class FakeFarm {
   std::map<JobId, JobSnapshot> ended;
   std::set<WorkerId> told_to_end;
   std::vector<Note> notes;
+  std::map<JobId, CommittedFrames> committed;
   std::set<std::pair<JobId, std::string>> emitted;  // staging folders
 
  private:
@@ -84,6 +89,7 @@ class FakeFarm {
   void Apply(const Release& release) { releases.push_back(release); }
   void Apply(const ForgetJob&) {}
   void Apply(const JobEnded& event);
+  void Apply(const FrameCommitted& event) { committed[event.job][event.frame] = event.committed; }
   void Apply(const WorkerLost&) {}
   void Apply(const EndWorker& action) { told_to_end.insert(action.worker); }
   void Apply(const Note& note) { notes.push_back(note); }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "common/digest/sha256.h"
 #include "tests/coordinator/planned_job.h"
@@ -520,6 +521,61 @@ TEST(Scheduler, AnEmitThatNamesOtherFilesIsAFailedAttempt) {
   EXPECT_EQ(farm.Running(worker).attempt, 2);
   EXPECT_NE(farm.Running(worker).task.spec.staging, emit.task.spec.staging);
 }
+
+// Runs a job until so many frames are committed, and goes on with them on a farm that knows nothing else.
+class Resumed : public testing::TestWithParam<std::tuple<Anchor, int>> {};
+
+TEST_P(Resumed, AJobGoesOnFromItsCommittedFrames) {
+  const auto [anchor, frames] = GetParam();
+  const PlannedJob job = MakePlannedJob({.frames = 11, .gop = 3, .views = 2, .refine = 2, .anchor = anchor});
+  FakeFarm before;
+  before.Submit(job);
+  before.JoinAndAsk();
+  before.JoinAndAsk();
+  while (before.committed[JobId(1)].size() < static_cast<std::size_t>(frames)) {
+    for (auto& [id, fake] : before.workers) before.Finish(id);
+  }
+  const CommittedFrames committed = before.committed.at(JobId(1));
+  before.RunToTheEnd();
+  const auto manifest_of = [](const FakeFarm& farm) {
+    const auto is_manifest = [](const Grant& grant) { return grant.task.spec.id.kind == TaskKind::kManifest; };
+    return std::ranges::find_if(farm.grants, is_manifest)->task.spec;
+  };
+
+  FakeFarm after;
+  after.Resume(job, committed);
+  after.JoinAndAsk();
+  EXPECT_EQ(after.grants.at(0).task.spec.files.size(), 2 * committed.size()) << "what Prepare must find";
+  after.RunToTheEnd();
+  EXPECT_EQ(after.ended.at(JobId(1)).state, JobState::kDone);
+  EXPECT_EQ(after.ended.at(JobId(1)).frames_done, 11);
+  for (int frame = 0; frame < 11; ++frame) {
+    EXPECT_EQ(after.CountGrants(TaskKind::kEmit, frame), committed.contains(frame) ? 0 : 1) << frame;
+    EXPECT_EQ(after.CountGrants(TaskKind::kCommit, frame), committed.contains(frame) ? 0 : 1) << frame;
+  }
+  EXPECT_EQ(manifest_of(after).picture_digests, manifest_of(before).picture_digests);
+  ASSERT_EQ(manifest_of(after).files.size(), manifest_of(before).files.size());
+  for (const StageSnapshot& stage : after.ended.at(JobId(1)).stages) EXPECT_EQ(stage.tasks_done, stage.tasks_total);
+  EXPECT_TRUE(after.scheduler.Jobs().empty());
+  const auto whole_gop = [&](int gop) {
+    const int end = std::min(11, 3 * gop + 3);
+    for (int frame = 3 * gop; frame < end; ++frame)
+      if (!committed.contains(frame)) return false;
+    return true;
+  };
+  for (int gop = anchor == Anchor::kShared ? 1 : 0; gop < 4; ++gop) {
+    if (!whole_gop(gop)) continue;
+    for (int frame = 3 * gop; frame < std::min(11, 3 * gop + 3); ++frame)
+      EXPECT_EQ(after.CountGrants(TaskKind::kAnalyse, frame), 0) << frame;
+  }
+  if (frames == 11) {
+    EXPECT_EQ(after.grants.size(), 2U) << "Prepare and Manifest";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scheduler, Resumed,
+                         testing::Combine(testing::Values(Anchor::kGop, Anchor::kShared),
+                                          testing::Values(1, 3, 4, 6, 8, 10, 11)));
 
 TEST(Scheduler, AFolderIsSomeJobsWhileThatJobLives) {
   FakeFarm farm;
