@@ -5,6 +5,7 @@ find_package(cppzmq REQUIRED CONFIG)
 find_package(Protobuf 3.21 REQUIRED)  # Debian ships no protobuf-config.cmake: module mode only
 find_package(OpenSSL 3.0 REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
+find_package(SQLite3 3.40 REQUIRED)
 find_package(CLI11 2.1 REQUIRED)
 find_package(spdlog 1.10 REQUIRED)
 find_package(PkgConfig REQUIRED)

@@ -9,7 +9,7 @@ build_packages=(
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
   libzmq3-dev cppzmq-dev
   libprotobuf-dev protobuf-compiler
-  libssl-dev libzstd-dev
+  libssl-dev libzstd-dev libsqlite3-dev
   libavcodec-dev libavformat-dev libavutil-dev
   nlohmann-json3-dev libcli11-dev libspdlog-dev
 )

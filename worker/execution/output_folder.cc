@@ -109,6 +109,27 @@ Status OutputFolder::Prepare() const {
   return RemoveStaging();
 }
 
+Status OutputFolder::Resume(const std::vector<OutputFile>& files) const {
+  constexpr std::size_t kReadEach = 16;
+  const auto gone = [](const fs::path& path, const std::string& what) {
+    return InvalidArgument(path.string() + ": " + what + ", so the job cannot go on: submit it again");
+  };
+  // Without a marker its manifest was written, and the coordinator never heard of it.
+  if (!Exists(Marker()) && !Exists(Manifest())) return gone(dir_, "belongs to no job any more");
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    DEPTHFARM_RETURN_IF_ERROR(CheckOutputPath(files[i].path));
+    const fs::path path = dir_ / files[i].path;
+    std::error_code error;
+    const std::uintmax_t bytes = fs::file_size(path, error);
+    if (error) return gone(path, "is missing");
+    if (bytes != files[i].bytes || (i % kReadEach == 0 && !CheckContent(path, files[i]).ok()))
+      return gone(path, "is not what the job wrote");
+  }
+  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(Marker().string(), "a depthfarm job writes into this folder\n"));
+  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Manifest()));
+  return RemoveStaging();
+}
+
 Result<fs::path> OutputFolder::StagingOf(const std::string& staging) const {
   if (!IsPlainName(staging)) return InvalidArgument("staging folder '" + staging + "': expected a plain name");
   return dir_ / kStaging / staging;

@@ -176,10 +176,13 @@ Status TaskExecutor::Run(const Task& task, TaskOutcome& outcome) {
       return Commit(task);
     case TaskKind::kManifest:
       return Manifest(task);
-    case TaskKind::kPrepare:
+    case TaskKind::kPrepare: {
+      DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, task.Output());
+      return task.spec.files.empty() ? folder.Prepare() : folder.Resume(task.spec.files);
+    }
     case TaskKind::kCleanup: {
       DEPTHFARM_ASSIGN_OR_RETURN(const OutputFolder folder, task.Output());
-      return task.spec.id.kind == TaskKind::kPrepare ? folder.Prepare() : folder.RemoveStaging();
+      return folder.RemoveStaging();
     }
   }
   return InvalidArgument("task of an unknown kind");

@@ -50,6 +50,34 @@ TEST_F(OutputFolderTest, MovesStagedFilesIntoPlace) {
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging/f0-a1"));
 }
 
+TEST_F(OutputFolderTest, AJobThatGoesOnKeepsItsFiles) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("f0-a1", "depth/cam0/0000.png", "depth").ok());
+  const std::vector<OutputFile> files{FileOf("depth/cam0/0000.png", "depth")};
+  ASSERT_TRUE(folder_.Commit("f0-a1", files).ok());
+  ASSERT_TRUE(folder_.Stage("f1-a1", "depth/cam0/0001.png", "half").ok());
+  ASSERT_TRUE(folder_.Resume(files).ok());
+  EXPECT_EQ(Content("depth/cam0/0000.png"), "depth");
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
+  // Its manifest may have been written before the coordinator was lost.
+  ASSERT_TRUE(folder_.Finish("{}").ok());
+  ASSERT_TRUE(folder_.Resume(files).ok());
+  EXPECT_FALSE(fs::exists(dir_ / "depth.json"));
+  EXPECT_TRUE(folder_.Stage("f1-a2", "depth/cam0/0001.png", "more").ok());
+}
+
+TEST_F(OutputFolderTest, AJobDoesNotGoOnWithFilesThatAreNotItsOwn) {
+  const std::vector<OutputFile> files{FileOf("depth/cam0/0000.png", "depth")};
+  EXPECT_THAT(folder_.Resume(files).message(), HasSubstr("belongs to no job any more"));
+  ASSERT_TRUE(folder_.Prepare().ok());
+  EXPECT_THAT(folder_.Resume(files).message(), HasSubstr("depth/cam0/0000.png: is missing"));
+  Write(dir_ / "depth/cam0/0000.png", "deptH");
+  const Status other = folder_.Resume(files);
+  EXPECT_EQ(other.code(), ErrorCode::kInvalidArgument);
+  EXPECT_THAT(other.message(), HasSubstr("is not what the job wrote"));
+  EXPECT_EQ(folder_.Resume({FileOf("../x", "depth")}).code(), ErrorCode::kInvalidArgument);
+}
+
 TEST_F(OutputFolderTest, ACommitMayBeRepeated) {
   ASSERT_TRUE(folder_.Prepare().ok());
   const std::vector<OutputFile> files{FileOf("depth/a/0.png", "one"), FileOf("depth/b/0.png", "two")};

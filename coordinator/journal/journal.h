@@ -1,0 +1,83 @@
+#ifndef DEPTHFARM_COORDINATOR_JOURNAL_JOURNAL_H_
+#define DEPTHFARM_COORDINATOR_JOURNAL_JOURNAL_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/status.h"
+#include "coordinator/scheduling/committed_frame.h"
+#include "coordinator/scheduling/snapshot.h"
+
+namespace depthfarm {
+
+class Database;
+
+// A job as the journal keeps it. The texts are what the coordinator gave: the journal does not look into them.
+struct JournaledJob {
+  JobId id;
+  std::uint32_t algorithm_version = 0;  // that made its frames
+  std::string output_dir;
+  std::string submission;  // empty once it is done, or forgotten (JournalOptions::kept_submissions)
+  JobState state = JobState::kRunning;
+  std::string status;  // of a job that ended
+};
+
+struct JournalOptions {
+  std::size_t kept_jobs = 1000;        // that ended, newest first
+  std::size_t kept_submissions = 100;  // of jobs that failed or were cancelled, so that they can go on
+};
+
+// What must outlive the coordinator, in one SQLite file: jobs, and which of their frames are in place. All else is
+// found again: artifacts by asking workers, tasks by planning. One process owns a journal.
+//
+// A job that is admitted, or has ended, is on the disk when the call returns (fsync). A frame is on the way there: it
+// survives the process, and may be lost with the machine; then it is done once more, to the same bytes.
+// Errors: kUnavailable with the path and what SQLite says. Not thread-safe.
+class Journal {
+ public:
+  // Opens or makes it; an empty path keeps it in memory. kUnavailable also if another coordinator has it,
+  // kIncompatible if a newer version made it, kCorrupt if it is damaged or no journal.
+  [[nodiscard]] static Result<std::unique_ptr<Journal>> Open(const std::string& path,
+                                                             const JournalOptions& options = {});
+  ~Journal();
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  // A job that is new, or goes on.
+  [[nodiscard]] Status Admit(const JournaledJob& job);
+  [[nodiscard]] Status Commit(JobId job, int frame, const CommittedFrame& committed);
+  // Forgets what the job needed to go on if it is done, and older jobs beyond the bounds.
+  [[nodiscard]] Status End(JobId job, JobState state, const std::string& status);
+  // The frames are not there any more.
+  [[nodiscard]] Status ForgetFrames(JobId job);
+
+  // kCorrupt names the first damage that SQLite finds.
+  [[nodiscard]] Status CheckIntegrity() const;
+  // By id.
+  [[nodiscard]] Result<std::vector<JournaledJob>> Jobs() const;
+  // Empty when there is no such job.
+  [[nodiscard]] Result<std::optional<JournaledJob>> Find(JobId job) const;
+  [[nodiscard]] Result<CommittedFrames> Frames(JobId job) const;
+  // The largest id of all jobs that there ever were; 0: none.
+  [[nodiscard]] Result<JobId> LastJob() const;
+  // Whether a job that was admitted later had this output folder.
+  [[nodiscard]] Result<bool> IsFolderOfLaterJob(JobId job, const std::string& output_dir) const;
+
+ private:
+  Journal(std::unique_ptr<Database> database, const JournalOptions& options);
+  [[nodiscard]] Status Trim();
+
+  std::unique_ptr<Database> database_;
+  const JournalOptions options_;
+};
+
+// "ok: 3 jobs, 1 of them running, 120 frames in place"; opens the journal as Open does and reads all of it.
+[[nodiscard]] Result<std::string> CheckJournal(const std::string& path);
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_JOURNAL_JOURNAL_H_

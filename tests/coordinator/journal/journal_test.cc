@@ -1,0 +1,174 @@
+#include "coordinator/journal/journal.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/digest/sha256.h"
+#include "tests/support/temporary_folder.h"
+
+namespace depthfarm {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+CommittedFrame FrameOf(const std::string& content) { return {{{Sha256(content), content.size()}}, {Sha256("p")}}; }
+
+class JournalTest : public testing::Test {
+ protected:
+  void SetUp() override { Reopen(); }
+  void Reopen() {
+    journal_.reset();
+    Result<std::unique_ptr<Journal>> opened = Journal::Open(path_, options_);
+    ASSERT_TRUE(opened.ok()) << opened.status().message();
+    journal_ = std::move(opened).value();
+  }
+  void Admit(std::uint64_t id, const std::string& folder = "/out") {
+    ASSERT_TRUE(journal_->Admit({JobId(id), 9, folder, "job " + std::to_string(id), JobState::kRunning, ""}).ok());
+  }
+  void End(std::uint64_t id, JobState state) {
+    ASSERT_TRUE(journal_->End(JobId(id), state, "ended " + std::to_string(id)).ok());
+  }
+  std::vector<std::uint64_t> Ids() {
+    std::vector<std::uint64_t> ids;
+    const std::vector<JournaledJob> jobs = journal_->Jobs().value();
+    for (const JournaledJob& job : jobs) ids.push_back(job.id.value());
+    return ids;
+  }
+
+  testing_support::TemporaryFolder folder_;
+  std::string path_ = (folder_.path() / "journal.sqlite").string();
+  JournalOptions options_;
+  std::unique_ptr<Journal> journal_;
+};
+
+TEST_F(JournalTest, KeepsJobsAndFramesOverARestart) {
+  Admit(7);
+  ASSERT_TRUE(journal_->Commit(JobId(7), 3, FrameOf("three")).ok());
+  ASSERT_TRUE(journal_->Commit(JobId(7), 0, FrameOf("zero")).ok());
+  ASSERT_TRUE(journal_->Commit(JobId(7), 3, FrameOf("three again")).ok());
+  Reopen();
+  const std::vector<JournaledJob> jobs = journal_->Jobs().value();
+  ASSERT_EQ(jobs.size(), 1U);
+  EXPECT_EQ(jobs[0].id, JobId(7));
+  EXPECT_EQ(jobs[0].algorithm_version, 9U);
+  EXPECT_EQ(jobs[0].output_dir, "/out");
+  EXPECT_EQ(jobs[0].submission, "job 7");
+  EXPECT_EQ(jobs[0].state, JobState::kRunning);
+  EXPECT_EQ(journal_->Frames(JobId(7)).value(), (CommittedFrames{{0, FrameOf("zero")}, {3, FrameOf("three again")}}));
+  EXPECT_EQ(journal_->LastJob().value(), JobId(7));
+  EXPECT_FALSE(journal_->Find(JobId(8)).value().has_value());
+}
+
+TEST_F(JournalTest, SubmissionsMayHoldAnyBytes) {
+  const std::string any("\0\xff'\"\n\0", 6);
+  ASSERT_TRUE(journal_->Admit({JobId(1), 9, "/out", any, JobState::kRunning, ""}).ok());
+  Reopen();
+  EXPECT_EQ(journal_->Find(JobId(1)).value()->submission, any);
+}
+
+TEST_F(JournalTest, AJobThatIsDoneNeedsItsFramesNoMore) {
+  Admit(1);
+  ASSERT_TRUE(journal_->Commit(JobId(1), 0, FrameOf("zero")).ok());
+  End(1, JobState::kDone);
+  const std::optional<JournaledJob> job = journal_->Find(JobId(1)).value();
+  ASSERT_TRUE(job);
+  EXPECT_EQ(job->state, JobState::kDone);
+  EXPECT_EQ(job->status, "ended 1");
+  EXPECT_EQ(job->submission, "");
+  EXPECT_TRUE(journal_->Frames(JobId(1)).value().empty());
+}
+
+TEST_F(JournalTest, AJobThatFailedMayGoOn) {
+  Admit(1);
+  ASSERT_TRUE(journal_->Commit(JobId(1), 0, FrameOf("zero")).ok());
+  End(1, JobState::kFailed);
+  EXPECT_EQ(journal_->Find(JobId(1)).value()->submission, "job 1");
+  EXPECT_EQ(journal_->Frames(JobId(1)).value().size(), 1U);
+  Admit(1);
+  EXPECT_EQ(journal_->Find(JobId(1)).value()->state, JobState::kRunning);
+  EXPECT_EQ(journal_->Frames(JobId(1)).value().size(), 1U);
+  ASSERT_TRUE(journal_->ForgetFrames(JobId(1)).ok());
+  EXPECT_TRUE(journal_->Frames(JobId(1)).value().empty());
+}
+
+TEST_F(JournalTest, KeepsTheJobsThatEndedLast) {
+  options_ = {.kept_jobs = 3, .kept_submissions = 1};
+  Reopen();
+  for (std::uint64_t id = 1; id <= 6; ++id) Admit(id);
+  for (const std::uint64_t id : {5U, 2U, 1U}) End(id, JobState::kCancelled);
+  End(3, JobState::kDone);
+  EXPECT_THAT(Ids(), ElementsAre(1, 2, 3, 4, 6)) << "4 and 6 run, 5 ended first";
+  EXPECT_EQ(journal_->Find(JobId(1)).value()->submission, "job 1");
+  EXPECT_EQ(journal_->Find(JobId(2)).value()->submission, "");
+  EXPECT_EQ(journal_->LastJob().value(), JobId(6));
+}
+
+TEST_F(JournalTest, IdsAreNotUsedAgainWhenJobsAreForgotten) {
+  options_.kept_jobs = 0;
+  Reopen();
+  Admit(9);
+  End(9, JobState::kDone);
+  EXPECT_TRUE(Ids().empty());
+  EXPECT_EQ(journal_->LastJob().value(), JobId(9));
+}
+
+TEST_F(JournalTest, KnowsWhoHadAFolderLater) {
+  Admit(1, "/a");
+  Admit(2, "/b");
+  Admit(3, "/a");
+  EXPECT_TRUE(journal_->IsFolderOfLaterJob(JobId(1), "/a").value());
+  EXPECT_FALSE(journal_->IsFolderOfLaterJob(JobId(2), "/b").value());
+  EXPECT_FALSE(journal_->IsFolderOfLaterJob(JobId(3), "/a").value());
+}
+
+TEST_F(JournalTest, BelongsToOneProcessAtATime) {
+  const Result<std::unique_ptr<Journal>> second = Journal::Open(path_);
+  EXPECT_EQ(second.status().code(), ErrorCode::kUnavailable);
+  EXPECT_THAT(second.status().message(), HasSubstr("another process uses it"));
+  EXPECT_THAT(second.status().message(), HasSubstr(path_));
+}
+
+TEST_F(JournalTest, IsItsOwnersAlone) {
+  EXPECT_EQ(fs::status(path_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST_F(JournalTest, RefusesWhatIsNoJournalOrANewerOne) {
+  const std::string text = (folder_.path() / "text").string();
+  std::ofstream(text) << std::string(5000, 'x');
+  EXPECT_EQ(Journal::Open(text).status().code(), ErrorCode::kCorrupt);
+  EXPECT_EQ(Journal::Open((folder_.path() / "no/such/folder").string()).status().code(), ErrorCode::kUnavailable);
+  journal_.reset();
+  std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(60);  // user_version of the SQLite header, big-endian
+  file.write("\0\0\0\x09", 4);
+  file.close();
+  const Status newer = Journal::Open(path_).status();
+  EXPECT_EQ(newer.code(), ErrorCode::kIncompatible) << newer.message();
+  EXPECT_THAT(newer.message(), HasSubstr("newer depthfarm"));
+}
+
+TEST_F(JournalTest, ACheckReadsAllOfIt) {
+  Admit(1);
+  ASSERT_TRUE(journal_->Commit(JobId(1), 0, FrameOf("zero")).ok());
+  Admit(2);
+  End(2, JobState::kDone);
+  journal_.reset();
+  EXPECT_EQ(CheckJournal(path_).value(), "ok: 2 jobs, 1 of them running, 1 frames in place");
+  fs::resize_file(path_, fs::file_size(path_) - 4096);
+  EXPECT_FALSE(CheckJournal(path_).ok());
+}
+
+TEST(JournalInMemory, DoesTheSame) {
+  const std::unique_ptr<Journal> journal = Journal::Open("").value();
+  ASSERT_TRUE(journal->Admit({JobId(1), 9, "/out", "job", JobState::kRunning, ""}).ok());
+  EXPECT_EQ(journal->Jobs().value().size(), 1U);
+  EXPECT_TRUE(Journal::Open("").ok()) << "each its own";
+}
+
+}  // namespace
+}  // namespace depthfarm
