@@ -3,11 +3,15 @@
 #include <atomic>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 
+#include "common/files/atomic_file.h"
 #include "common/log/log.h"
+#include "coordinator/journal/journal.h"
 #include "coordinator/service/coordinator.h"
 
 namespace {
@@ -32,11 +36,28 @@ int Fail(const depthfarm::Status& status) {
   return status.code() == depthfarm::ErrorCode::kInvalidArgument ? kExitUsage : kExitFailed;
 }
 
+// Where the journal is, its folder made; empty for none.
+depthfarm::Result<std::string> JournalFile(const std::string& asked) {
+  if (asked == "none") return std::string();
+  if (!asked.empty()) return asked;
+  const char* state = std::getenv("XDG_STATE_HOME");
+  const char* home = std::getenv("HOME");
+  std::string folder = state != nullptr ? state : "";
+  if (folder.empty() && home != nullptr && *home != '\0') folder = std::string(home) + "/.local/state";
+  if (folder.empty() || folder.front() != '/')
+    return depthfarm::InvalidArgument("neither XDG_STATE_HOME nor HOME is set: name a file with --journal, or none");
+  folder += "/depthfarm";
+  DEPTHFARM_RETURN_IF_ERROR(depthfarm::MakeDirectories(folder));
+  return folder + "/coordinator.sqlite";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   depthfarm::CoordinatorOptions options;
   std::string log_level = "info";
+  std::string journal;
+  std::string check_journal;
   std::int64_t heartbeat_ms = options.heartbeat.count();
   std::int64_t lease_ms = options.lease.count();
 
@@ -49,6 +70,12 @@ int main(int argc, char** argv) {
   app.add_option("--heartbeat-ms", heartbeat_ms, "how often workers report")->capture_default_str();
   app.add_option("--lease-ms", lease_ms, "silence after which a worker is given up")->capture_default_str();
   app.add_option("--max-attempts", options.max_attempts, "of one task before its job fails")->capture_default_str();
+  app.add_option(
+      "--journal", journal,
+      "SQLite file in which jobs outlive the coordinator, or none; default: depthfarm/coordinator.sqlite in\n"
+      "$XDG_STATE_HOME or ~/.local/state");
+  app.add_option("--keep-jobs", options.kept_jobs, "how many jobs that ended are remembered")->capture_default_str();
+  app.add_option("--check-journal", check_journal, "check such a file, say what is in it, and end");
   app.add_option("--log-level", log_level, "debug, info, warning, error or off")->capture_default_str();
   app.set_version_flag("--version", "depthfarm-coordinator " DEPTHFARM_VERSION);
   try {
@@ -59,6 +86,16 @@ int main(int argc, char** argv) {
   options.heartbeat = std::chrono::milliseconds(heartbeat_ms);
   options.lease = std::chrono::milliseconds(lease_ms);
   if (const depthfarm::Status level = depthfarm::SetLogLevel(log_level); !level.ok()) return Fail(level);
+
+  if (!check_journal.empty()) {
+    const depthfarm::Result<std::string> checked = depthfarm::CheckJournal(check_journal);
+    if (!checked.ok()) return Fail(checked.status());
+    std::cout << *checked << "\n";
+    return 0;
+  }
+  depthfarm::Result<std::string> journal_file = JournalFile(journal);
+  if (!journal_file.ok()) return Fail(journal_file.status());
+  options.journal = std::move(journal_file).value();
 
   depthfarm::Result<std::unique_ptr<depthfarm::Coordinator>> coordinator = depthfarm::Coordinator::Create(options);
   if (!coordinator.ok()) return Fail(coordinator.status());

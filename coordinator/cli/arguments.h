@@ -78,6 +78,12 @@ struct CancelArguments {
   FarmArguments farm;
   std::uint64_t job = 0;
 };
+struct RetryArguments {
+  FarmArguments farm;
+  std::uint64_t job = 0;
+  bool wait = false;
+  bool json = false;
+};
 struct WorkersArguments {
   FarmArguments farm;
   bool json = false;
@@ -95,8 +101,8 @@ struct KeygenArguments {
 };
 
 using CommandArguments = std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments,
-                                      StatusArguments, WatchArguments, JobsArguments, CancelArguments, WorkersArguments,
-                                      DrainArguments, VerifyArguments, KeygenArguments>;
+                                      StatusArguments, WatchArguments, JobsArguments, CancelArguments, RetryArguments,
+                                      WorkersArguments, DrainArguments, VerifyArguments, KeygenArguments>;
 
 }  // namespace depthfarm
 

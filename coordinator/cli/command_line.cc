@@ -249,7 +249,22 @@ void DefineCancel(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<CancelArguments>();
   AddJobId(app, arguments.job);
   AddFarmOptions(app, arguments.farm);
-  app.footer("Frames that are complete stay in the output folder.\nExample: depthfarm cancel 3");
+  app.footer(
+      "Frames that are complete stay in the output folder, and depthfarm retry goes on from there.\n"
+      "Example: depthfarm cancel 3");
+}
+
+void DefineRetry(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<RetryArguments>();
+  AddJobId(app, arguments.job);
+  app.add_flag("--wait", arguments.wait, "Show progress and wait for the end; the exit code says how it ended");
+  AddFarmOptions(app, arguments.farm);
+  AddJsonFlag(app, arguments.json);
+  app.footer(
+      "A job that failed or was cancelled goes on under its number: frames whose files are in place stay, of the "
+      "others\n"
+      "only what no worker holds any more is computed again.\n"
+      "Example: depthfarm retry 3 --wait");
 }
 
 void DefineWorkers(CLI::App& app, CommandArguments& storage) {
@@ -307,6 +322,7 @@ constexpr auto kCommands = std::to_array<Command>({
     {"watch", "Progress of a job until it ends", DefineWatch},
     {"jobs", "All jobs of a farm", DefineJobs},
     {"cancel", "End a job", DefineCancel},
+    {"retry", "Let a job go on that failed or was cancelled", DefineRetry},
     {"workers", "Workers of a farm", DefineWorkers},
     {"drain", "End a worker when it is done with its tasks", DefineDrain},
     {"verify", "Check an output folder against its digests", DefineVerify},

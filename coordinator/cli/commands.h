@@ -16,6 +16,7 @@ namespace depthfarm {
 [[nodiscard]] int Execute(const WatchArguments& arguments);
 [[nodiscard]] int Execute(const JobsArguments& arguments);
 [[nodiscard]] int Execute(const CancelArguments& arguments);
+[[nodiscard]] int Execute(const RetryArguments& arguments);
 [[nodiscard]] int Execute(const WorkersArguments& arguments);
 [[nodiscard]] int Execute(const DrainArguments& arguments);
 [[nodiscard]] int Execute(const VerifyArguments& arguments);

@@ -112,6 +112,17 @@ int Execute(const CancelArguments& arguments) {
   return cancelled.ok() ? kExitOk : FailAsking(cancelled);
 }
 
+int Execute(const RetryArguments& arguments) {
+  CatchInterruptions();
+  const Result<std::unique_ptr<Client>> client = ConnectTo(arguments.farm);
+  if (!client.ok()) return FailAsking(client.status());
+  const Status goes_on = client.value()->Retry(arguments.job);
+  if (!goes_on.ok()) return FailAsking(goes_on);
+  if (arguments.wait) return WatchToTheEnd(*client.value(), arguments.job, arguments.json);
+  if (arguments.json) std::cout << nlohmann::ordered_json{{"job", arguments.job}}.dump() << "\n";
+  return kExitOk;
+}
+
 int Execute(const WorkersArguments& arguments) {
   CatchInterruptions();
   const Result<std::unique_ptr<Client>> client = ConnectTo(arguments.farm);

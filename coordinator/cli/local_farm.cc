@@ -51,10 +51,10 @@ Status LocalFarm::StartProcesses() {
   if (error) return Unavailable("cannot make log folder " + options_.log_dir.string() + ": " + error.message());
   DEPTHFARM_ASSIGN_OR_RETURN(const fs::path coordinator_program, SiblingProgram("depthfarm-coordinator"));
   DEPTHFARM_ASSIGN_OR_RETURN(worker_program_, SiblingProgram("depthfarm-worker"));
-  DEPTHFARM_ASSIGN_OR_RETURN(
-      ChildProcess coordinator,
-      ChildProcess::Start(coordinator_program, {"--listen", endpoint_, "--log-level", options_.log_level},
-                          LogOf("coordinator")));
+  DEPTHFARM_ASSIGN_OR_RETURN(ChildProcess coordinator, ChildProcess::Start(coordinator_program,
+                                                                           {"--listen", endpoint_, "--journal", "none",
+                                                                            "--log-level", options_.log_level},
+                                                                           LogOf("coordinator")));
   coordinator_ = std::make_unique<ChildProcess>(std::move(coordinator));
   for (int i = 1; i <= options_.workers; ++i) {
     const std::string name = "worker-" + std::to_string(i);

@@ -114,6 +114,12 @@ Status Client::Cancel(std::uint64_t job_id) {
   return Ask(std::move(question), v1::Envelope::kDone).status();
 }
 
+Status Client::Retry(std::uint64_t job_id) {
+  v1::Envelope question;
+  question.mutable_retry_job()->set_job_id(job_id);
+  return Ask(std::move(question), v1::Envelope::kJobAccepted).status();
+}
+
 Result<std::vector<v1::WorkerStatus>> Client::ListWorkers() {
   v1::Envelope question;
   question.mutable_list_workers();

@@ -67,6 +67,8 @@ class Client {
   [[nodiscard]] Result<v1::JobStatus> GetStatus(std::uint64_t job_id);
   [[nodiscard]] Result<std::vector<v1::JobStatus>> ListJobs();
   [[nodiscard]] Status Cancel(std::uint64_t job_id);
+  // Of a job that failed or was cancelled.
+  [[nodiscard]] Status Retry(std::uint64_t job_id);
   [[nodiscard]] Result<std::vector<v1::WorkerStatus>> ListWorkers();
   // By the name that ListWorkers tells.
   [[nodiscard]] Status Drain(const std::string& worker);

@@ -25,6 +25,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kTick{50};
 constexpr int kMessagesPerTick = 1000;  // a flood must not keep leases from expiring
 constexpr int kMaxVersionText = 100;
+constexpr std::size_t kMostKeptJobs = 1'000'000;
 
 SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint64_t first_lease) {
   SchedulerOptions scheduler;
@@ -108,11 +109,19 @@ Status CoordinatorOptions::Validate() const {
   if (max_attempts < 1 || max_attempts > 100) {
     return InvalidArgument("max-attempts is " + std::to_string(max_attempts) + ", expected 1 to 100");
   }
+  if (kept_jobs > kMostKeptJobs) {
+    return InvalidArgument("keep-jobs is " + std::to_string(kept_jobs) + ", expected at most " +
+                           std::to_string(kMostKeptJobs));
+  }
   return {};
 }
 
-Coordinator::Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease)
-    : options_(options), scheduler_(SchedulerOptionsOf(options, first_lease)), history_(options.kept_jobs) {}
+Coordinator::Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease, std::unique_ptr<Journal> journal)
+    : options_(options),
+      now_(std::chrono::steady_clock::now()),
+      scheduler_(SchedulerOptionsOf(options, first_lease)),
+      history_(options.kept_jobs),
+      journal_(std::move(journal)) {}
 
 Result<std::unique_ptr<Coordinator>> Coordinator::Create(const CoordinatorOptions& options) {
   DEPTHFARM_RETURN_IF_ERROR(options.Validate());
@@ -120,7 +129,9 @@ Result<std::unique_ptr<Coordinator>> Coordinator::Create(const CoordinatorOption
   DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(endpoint, !options.keys_dir.empty(), options.insecure));
   // Leases of an earlier coordinator may still be named by its workers: begin far from them.
   const std::uint64_t first_lease = (std::uint64_t{std::random_device{}() & 0x7fffffffU} << 24U) + 1;
-  std::unique_ptr<Coordinator> coordinator(new Coordinator(options, first_lease));
+  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal,
+                             Journal::Open(options.journal, {.kept_jobs = options.kept_jobs}));
+  std::unique_ptr<Coordinator> coordinator(new Coordinator(options, first_lease, std::move(journal)));
   ServerOptions server;
   if (!options.keys_dir.empty()) {
     DEPTHFARM_ASSIGN_OR_RETURN(CoordinatorKeys keys, ReadCoordinatorKeys(options.keys_dir));
@@ -129,6 +140,7 @@ Result<std::unique_ptr<Coordinator>> Coordinator::Create(const CoordinatorOption
   }
   DEPTHFARM_ASSIGN_OR_RETURN(coordinator->channel_,
                              ServerChannel::Bind(coordinator->context_, options.endpoint, server));
+  DEPTHFARM_RETURN_IF_ERROR(coordinator->Restore());
   return coordinator;
 }
 
@@ -304,6 +316,8 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
       return ListJobs();
     case v1::Envelope::kGetJobStatus:
       return StatusOf(JobId(request.get_job_status().job_id()));
+    case v1::Envelope::kRetryJob:
+      return Retry(JobId(request.retry_job().job_id()));
     case v1::Envelope::kCancelJob:
       return Cancel(JobId(request.cancel_job().job_id()));
     case v1::Envelope::kListWorkers:
@@ -330,9 +344,15 @@ Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
   }
   DEPTHFARM_ASSIGN_OR_RETURN(std::set<std::string> tags, CheckTags("required tags", {request.required_tags().begin(),
                                                                                      request.required_tags().end()}));
+  // Who is told the id may rely on the job.
+  DEPTHFARM_RETURN_IF_ERROR(journal_->Admit({.id = id,
+                                             .algorithm_version = kAlgorithmVersion,
+                                             .output_dir = job.config.output_dir,
+                                             .submission = request.SerializeAsString(),
+                                             .state = JobState::kRunning,
+                                             .status = {}}));
   ++last_job_;
-  jobs_[id] = {ToProto(job.config), Summary(job)};
-  Dispatch(JobSubmitted{std::move(job), request.name(), request.priority(), std::move(tags)});
+  Start(std::move(job), request, std::move(tags), {});
   v1::Envelope answer;
   answer.mutable_job_accepted()->set_job_id(id.value());
   return answer;
@@ -344,8 +364,8 @@ Result<v1::Envelope> Coordinator::StatusOf(JobId id) const {
     *answer.mutable_job_status() = StatusToProto(*job, jobs_.at(id).summary, now_);
     return answer;
   }
-  if (const JobSnapshot* job = history_.Find(id)) {
-    *answer.mutable_job_status() = StatusToProto(*job, summaries_.at(id), now_);
+  if (const v1::JobStatus* job = history_.Find(id)) {
+    *answer.mutable_job_status() = *job;
     return answer;
   }
   return InvalidArgument("there is no job " + std::to_string(id.value()));
@@ -366,7 +386,7 @@ Result<v1::Envelope> Coordinator::Cancel(JobId id) {
 v1::Envelope Coordinator::ListJobs() const {
   v1::Envelope answer;
   v1::JobList* list = answer.mutable_job_list();
-  for (const auto& [id, job] : history_.jobs()) *list->add_jobs() = StatusToProto(job, summaries_.at(id), now_);
+  for (const auto& [id, job] : history_.jobs()) *list->add_jobs() = job;
   for (const JobSnapshot& job : scheduler_.Jobs())
     *list->add_jobs() = StatusToProto(job, jobs_.at(job.id).summary, now_);
   return answer;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@
 #include "common/transport/poller.h"
 #include "common/transport/server_channel.h"
 #include "common/wire/envelope.h"
+#include "coordinator/journal/journal.h"
+#include "coordinator/planning/job_plan.h"
 #include "coordinator/scheduling/scheduler.h"
 #include "coordinator/service/job_history.h"
 #include "coordinator/service/worker_sessions.h"
@@ -27,9 +30,11 @@ struct CoordinatorOptions {
   std::chrono::milliseconds heartbeat{1000};
   std::chrono::milliseconds lease{6000};
   int max_attempts = 4;          // of one task
+  std::string journal = {};      // file in which jobs outlive the coordinator; empty: they do not
   std::size_t kept_jobs = 1000;  // that ended, for status
 
-  // kInvalidArgument: heartbeat 10..60000 ms, lease at least 3 heartbeats and at most 1 h, attempts 1..100.
+  // kInvalidArgument: heartbeat 10..60000 ms, lease at least 3 heartbeats and at most 1 h, attempts 1..100, kept jobs
+  // at most a million.
   [[nodiscard]] Status Validate() const;
 };
 
@@ -37,7 +42,8 @@ struct CoordinatorOptions {
 // The rules of the wire: proto/PROTOCOL.md.
 class Coordinator {
  public:
-  // Reads keys and binds. Errors: kInvalidArgument (options, keys, security), kUnavailable (address in use).
+  // Reads keys, opens the journal, goes on with the jobs in it, and binds. Errors: kInvalidArgument (options, keys,
+  // security), kUnavailable (address or journal in use), those of Journal::Open.
   [[nodiscard]] static Result<std::unique_ptr<Coordinator>> Create(const CoordinatorOptions& options);
 
   // Where it listens in fact.
@@ -48,7 +54,7 @@ class Coordinator {
   void Stop();
 
  private:
-  Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease);
+  Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease, std::unique_ptr<Journal> journal);
 
   void HandleMessage(const PeerMessage& message);
   void HandleFromWorker(const PeerMessage& message, const v1::Envelope& envelope);
@@ -57,11 +63,20 @@ class Coordinator {
   void HandleTaskFinished(WorkerId worker, const v1::TaskFinished& message);
   [[nodiscard]] Result<v1::Envelope> Answer(const v1::Envelope& request);
   [[nodiscard]] Result<v1::Envelope> Submit(const v1::SubmitJob& request);
+  [[nodiscard]] Result<v1::Envelope> Retry(JobId id);
   [[nodiscard]] Result<v1::Envelope> StatusOf(JobId id) const;
   [[nodiscard]] Result<v1::Envelope> Cancel(JobId id);
   [[nodiscard]] Result<v1::Envelope> Drain(const std::string& name);
   [[nodiscard]] v1::Envelope ListJobs() const;
   [[nodiscard]] v1::Envelope ListWorkers() const;
+
+  // coordinator_journal.cc
+  [[nodiscard]] Status Restore();
+  [[nodiscard]] Status RestoreEnded(const JournaledJob& job);
+  // Plans a job of the journal again and lets it go on from its committed frames.
+  [[nodiscard]] Status GoOn(const JournaledJob& job);
+  [[nodiscard]] Result<CommittedFrames> FramesInPlace(const PlannedJob& job) const;
+  void Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags, CommittedFrames committed);
 
   void Dispatch(const Event& event);
   void CarryOut(const std::vector<Action>& actions);
@@ -70,6 +85,7 @@ class Coordinator {
   void Do(const Revoke& action);
   void Do(const Release& action);
   void Do(const ForgetJob& action);
+  void Do(const FrameCommitted& action);
   void Do(const JobEnded& action);
   void Do(const WorkerLost& action);
   void Do(const EndWorker& action);
@@ -94,7 +110,7 @@ class Coordinator {
   };
   std::map<JobId, KnownJob> jobs_;
   JobHistory history_;
-  std::map<JobId, std::string> summaries_;  // of jobs in the history
+  std::unique_ptr<Journal> journal_;
   std::uint64_t last_job_ = 0;
 };
 

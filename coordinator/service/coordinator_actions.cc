@@ -5,6 +5,7 @@
 #include "common/log/log.h"
 #include "common/wire/task_wire.h"
 #include "coordinator/service/coordinator.h"
+#include "coordinator/service/status_wire.h"
 
 namespace depthfarm {
 
@@ -54,14 +55,22 @@ void Coordinator::Do(const ForgetJob& action) {
   SendTo(action.worker, envelope);
 }
 
+void Coordinator::Do(const FrameCommitted& action) {
+  const Status written = journal_->Commit(action.job, action.frame, action.committed);
+  if (!written.ok()) {  // should the coordinator end, the frame is done once more
+    LogWarning("journal_failed", {{"job", action.job.value()}, {"frame", action.frame}, {"reason", written.message()}});
+  }
+}
+
 void Coordinator::Do(const JobEnded& action) {
   const JobSnapshot& job = action.job;
   const char* state = job.state == JobState::kDone ? "done" : job.state == JobState::kFailed ? "failed" : "cancelled";
   LogInfo("job_ended",
           {{"job", job.id.value()}, {"state", state}, {"frames", job.frames_done}, {"retries", job.retries}});
-  history_.Add(job);
-  summaries_[job.id] = jobs_.at(job.id).summary;
-  std::erase_if(summaries_, [this](const auto& entry) { return history_.Find(entry.first) == nullptr; });
+  const v1::JobStatus status = StatusToProto(job, jobs_.at(job.id).summary, now_);
+  const Status written = journal_->End(job.id, job.state, status.SerializeAsString());
+  if (!written.ok()) LogError("journal_failed", {{"job", job.id.value()}, {"reason", written.message()}});
+  history_.Add(status);
   jobs_.erase(job.id);
 }
 

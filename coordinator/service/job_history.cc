@@ -2,12 +2,12 @@
 
 namespace depthfarm {
 
-void JobHistory::Add(const JobSnapshot& job) {
-  jobs_[job.id] = job;
+void JobHistory::Add(const v1::JobStatus& job) {
+  jobs_[JobId(job.job_id())] = job;
   while (jobs_.size() > max_jobs_) jobs_.erase(jobs_.begin());
 }
 
-const JobSnapshot* JobHistory::Find(JobId id) const {
+const v1::JobStatus* JobHistory::Find(JobId id) const {
   const auto job = jobs_.find(id);
   return job == jobs_.end() ? nullptr : &job->second;
 }

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <map>
-#include <string>
 
-#include "coordinator/scheduling/snapshot.h"
+#include "common/job/task.h"
+#include "common/wire/envelope.h"
 
 namespace depthfarm {
 
@@ -14,14 +14,16 @@ class JobHistory {
  public:
   explicit JobHistory(std::size_t max_jobs) : max_jobs_(max_jobs) {}
   // Forgets the oldest ones beyond the bound.
-  void Add(const JobSnapshot& job);
+  void Add(const v1::JobStatus& job);
+  // A job that goes on.
+  void Remove(JobId id) { jobs_.erase(id); }
   // Null when it did not end, or long ago.
-  [[nodiscard]] const JobSnapshot* Find(JobId id) const;
-  [[nodiscard]] const std::map<JobId, JobSnapshot>& jobs() const { return jobs_; }
+  [[nodiscard]] const v1::JobStatus* Find(JobId id) const;
+  [[nodiscard]] const std::map<JobId, v1::JobStatus>& jobs() const { return jobs_; }
 
  private:
   std::size_t max_jobs_;
-  std::map<JobId, JobSnapshot> jobs_;
+  std::map<JobId, v1::JobStatus> jobs_;
 };
 
 }  // namespace depthfarm

@@ -155,9 +155,20 @@ bool IsGone(pid_t pid) {
 
 Farm::Farm(const std::string& endpoint, const std::string& keys)
     : endpoint_(endpoint.empty() ? "ipc://" + (folder_ / "coordinator") : endpoint), keys_(keys) {
-  const Words arguments = Words{"--listen", endpoint_} + SecurityOptions();
-  Result<ChildProcess> coordinator =
-      ChildProcess::Start(Program("depthfarm-coordinator"), arguments, folder_ / "coordinator.log");
+  StartCoordinator();
+}
+
+bool Farm::RestartCoordinator(int signal) {
+  coordinator_->Signal(signal);
+  if (!WaitUntil([&] { return coordinator_->Poll().has_value(); })) problem_ = "the coordinator does not end";
+  if (ok()) StartCoordinator();
+  return ok();
+}
+
+void Farm::StartCoordinator() {
+  ++coordinators_;
+  const Words arguments = Words{"--listen", endpoint_, "--journal", Journal()} + SecurityOptions();
+  Result<ChildProcess> coordinator = ChildProcess::Start(Program("depthfarm-coordinator"), arguments, CoordinatorLog());
   if (!coordinator.ok()) {
     problem_ = coordinator.status().message();
     return;
@@ -166,7 +177,7 @@ Farm::Farm(const std::string& endpoint, const std::string& keys)
   // It says where it is bound in fact: the port may have been left open.
   const std::string announcement = "listening on ";
   const bool announced = WaitUntil([&] {
-    const std::string log = ReadFile(folder_ / "coordinator.log");
+    const std::string log = ReadFile(CoordinatorLog());
     const std::size_t start = log.find(announcement);
     const std::size_t end = start == std::string::npos ? start : log.find('\n', start);
     if (end != std::string::npos)
@@ -209,7 +220,7 @@ Words Farm::SecurityOptions() const {
 }
 
 std::string Farm::Logs() const {
-  std::string text = "coordinator.log:\n" + ReadFile(folder_ / "coordinator.log");
+  std::string text = "coordinator.log:\n" + ReadFile(CoordinatorLog());
   for (std::size_t i = 0; i < workers_.size(); ++i) {
     const std::string log = "worker-" + std::to_string(i) + ".log";
     text += log + ":\n" + ReadFile(folder_ / log);

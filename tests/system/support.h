@@ -91,6 +91,10 @@ class Farm {
   [[nodiscard]] bool ok() const { return problem_.empty(); }
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
+  // Ends the coordinator with this signal and starts another one at the same place, with the same journal. False (and
+  // problem()) if that one does not answer.
+  [[nodiscard]] bool RestartCoordinator(int signal);
+  [[nodiscard]] std::string Journal() const { return folder_ / "journal.sqlite"; }
   // Starts a worker and returns its index.
   int AddWorker(const Words& options = {});
   [[nodiscard]] ChildProcess& worker(int index) { return workers_[static_cast<std::size_t>(index)]; }
@@ -101,12 +105,17 @@ class Farm {
 
  private:
   [[nodiscard]] Words SecurityOptions() const;
+  void StartCoordinator();
+  [[nodiscard]] std::string CoordinatorLog() const {
+    return folder_ / ("coordinator-" + std::to_string(coordinators_) + ".log");
+  }
 
   TemporaryFolder folder_;
   std::string endpoint_;
   std::string keys_;
   std::string problem_;
   std::optional<ChildProcess> coordinator_;
+  int coordinators_ = 0;  // that were started
   std::vector<ChildProcess> workers_;
   std::unique_ptr<Client> client_;
 };

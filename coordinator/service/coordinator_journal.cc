@@ -1,0 +1,116 @@
+// Jobs that outlive the coordinator, or their own failure.
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/log/log.h"
+#include "common/wire/bounds.h"
+#include "common/wire/job_wire.h"
+#include "coordinator/service/coordinator.h"
+#include "coordinator/service/submission.h"
+
+namespace depthfarm {
+namespace {
+
+std::string Name(JobId id) { return "job " + std::to_string(id.value()); }
+
+// Whether what is remembered of a frame is what the job makes of it.
+bool Fits(const JobPlan& plan, int frame, const CommittedFrame& committed) {
+  return frame >= 0 && frame < plan.resolved().num_frames && committed.files.size() == plan.OutputPaths(frame).size() &&
+         committed.picture_digests.size() == plan.resolved().views.size();
+}
+
+}  // namespace
+
+Status Coordinator::Restore() {
+  DEPTHFARM_ASSIGN_OR_RETURN(const JobId last, journal_->LastJob());
+  last_job_ = last.value();
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<JournaledJob> jobs, journal_->Jobs());
+  for (const JournaledJob& job : jobs) {
+    if (job.state != JobState::kRunning) {
+      const Status restored = RestoreEnded(job);
+      if (!restored.ok()) LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", restored.message()}});
+      continue;
+    }
+    const Status went_on = GoOn(job);
+    if (went_on.ok()) continue;
+    // It cannot go on, and its submitter must hear of that.
+    LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", went_on.message()}});
+    v1::JobStatus status;
+    status.set_job_id(job.id.value());
+    v1::SubmitJob submission;
+    if (submission.ParseFromString(job.submission)) status.set_name(submission.name());
+    status.set_state(v1::JOB_STATE_FAILED);
+    status.set_output_dir(job.output_dir);
+    *status.mutable_error() =
+        ToProto(went_on.WithContext("the coordinator was started again and the job cannot go on"));
+    DEPTHFARM_RETURN_IF_ERROR(journal_->End(job.id, JobState::kFailed, status.SerializeAsString()));
+    history_.Add(status);
+  }
+  return {};
+}
+
+Status Coordinator::RestoreEnded(const JournaledJob& job) {
+  v1::JobStatus status;
+  if (!status.ParseFromString(job.status) || status.job_id() != job.id.value())
+    return Corrupt("its status in the journal is damaged");
+  history_.Add(status);
+  return {};
+}
+
+Result<CommittedFrames> Coordinator::FramesInPlace(const PlannedJob& job) const {
+  const JobId id = job.config.job;
+  DEPTHFARM_ASSIGN_OR_RETURN(const bool replaced, journal_->IsFolderOfLaterJob(id, job.config.output_dir));
+  if (replaced) return CommittedFrames();
+  DEPTHFARM_ASSIGN_OR_RETURN(CommittedFrames frames, journal_->Frames(id));
+  const JobPlan plan(job);
+  const bool fit =
+      std::ranges::all_of(frames, [&](const auto& frame) { return Fits(plan, frame.first, frame.second); });
+  if (!fit) return Corrupt("its frames in the journal are not those of the job");
+  return frames;
+}
+
+Status Coordinator::GoOn(const JournaledJob& job) {
+  if (job.algorithm_version != kAlgorithmVersion) {
+    return Status(ErrorCode::kIncompatible, Name(job.id) + " was begun by algorithm version " +
+                                                std::to_string(job.algorithm_version) + ", this farm has " +
+                                                std::to_string(kAlgorithmVersion) + ": submit it again");
+  }
+  v1::SubmitJob submission;
+  if (job.submission.empty()) return Unavailable(Name(job.id) + " is too long ago to go on: submit it again");
+  if (!submission.ParseFromString(job.submission)) return Corrupt("its submission in the journal is damaged");
+  DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob planned, PlanSubmission(submission, job.id));
+  DEPTHFARM_ASSIGN_OR_RETURN(
+      std::set<std::string> tags,
+      CheckTags("required tags", {submission.required_tags().begin(), submission.required_tags().end()}));
+  DEPTHFARM_ASSIGN_OR_RETURN(CommittedFrames committed, FramesInPlace(planned));
+  if (committed.empty()) DEPTHFARM_RETURN_IF_ERROR(journal_->ForgetFrames(job.id));
+  DEPTHFARM_RETURN_IF_ERROR(journal_->Admit(job));
+  Start(std::move(planned), submission, std::move(tags), std::move(committed));
+  return {};
+}
+
+void Coordinator::Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags,
+                        CommittedFrames committed) {
+  jobs_[job.config.job] = {ToProto(job.config), Summary(job)};
+  Dispatch(
+      JobSubmitted{std::move(job), submission.name(), submission.priority(), std::move(tags), std::move(committed)});
+}
+
+Result<v1::Envelope> Coordinator::Retry(JobId id) {
+  if (scheduler_.Job(id)) return InvalidArgument(Name(id) + " is still running");
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<JournaledJob> job, journal_->Find(id));
+  if (!job) return InvalidArgument("there is no " + Name(id));
+  if (job->state == JobState::kDone) return InvalidArgument(Name(id) + " is done: there is nothing to do again");
+  if (const std::optional<JobId> other = scheduler_.JobWritingTo(job->output_dir)) {
+    return InvalidArgument(Name(*other) + " writes to " + job->output_dir + ": wait for it, or cancel it");
+  }
+  DEPTHFARM_RETURN_IF_ERROR(GoOn(*job));
+  history_.Remove(id);
+  v1::Envelope answer;
+  answer.mutable_job_accepted()->set_job_id(id.value());
+  return answer;
+}
+
+}  // namespace depthfarm
