@@ -2,13 +2,13 @@
 
 namespace depthfarm {
 
-KeyLocks::Lock KeyLocks::Take(const ArtifactKey& key) {
+Result<KeyLocks::Lock> KeyLocks::Take(const ArtifactKey& key, const std::stop_token& stop) {
   {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return !taken_.contains(key); });
+    if (!changed_.wait(lock, stop, [&] { return !taken_.contains(key); })) return Cancelled();
     taken_.insert(key);
   }
-  return {*this, key};
+  return Lock(*this, key);
 }
 
 void KeyLocks::GiveBack(const ArtifactKey& key) {

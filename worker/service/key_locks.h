@@ -4,7 +4,10 @@
 #include <condition_variable>
 #include <mutex>
 #include <set>
+#include <stop_token>
+#include <utility>
 
+#include "common/base/status.h"
 #include "common/job/task.h"
 
 namespace depthfarm {
@@ -15,23 +18,25 @@ class KeyLocks {
   // Gives the lock back when it dies; must not outlive the locks.
   class Lock {
    public:
-    Lock(KeyLocks& locks, const ArtifactKey& key) : locks_(locks), key_(key) {}
-    Lock(const Lock&) = delete;
-    Lock& operator=(const Lock&) = delete;
-    ~Lock() { locks_.GiveBack(key_); }
+    Lock(KeyLocks& locks, const ArtifactKey& key) : locks_(&locks), key_(key) {}
+    Lock(Lock&& other) noexcept : locks_(std::exchange(other.locks_, nullptr)), key_(other.key_) {}
+    Lock& operator=(Lock&&) = delete;
+    ~Lock() {
+      if (locks_ != nullptr) locks_->GiveBack(key_);
+    }
 
    private:
-    KeyLocks& locks_;
+    KeyLocks* locks_;  // null after a move
     const ArtifactKey key_;
   };
-  // Waits until nobody has the lock of the key.
-  [[nodiscard]] Lock Take(const ArtifactKey& key);
+  // Waits until nobody has the lock of the key. Errors: kCancelled at once when `stop` is requested while it waits.
+  [[nodiscard]] Result<Lock> Take(const ArtifactKey& key, const std::stop_token& stop);
 
  private:
   void GiveBack(const ArtifactKey& key);
 
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any changed_;
   std::set<ArtifactKey> taken_;
 };
 

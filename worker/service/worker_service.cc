@@ -38,7 +38,7 @@ std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_strin
 }  // namespace
 
 Result<std::string> PeerFetcher::Fetch(const TaskInput& input, const std::stop_token& stop) {
-  const KeyLocks::Lock lock = under_way_.Take(input.artifact.key);
+  DEPTHFARM_ASSIGN_OR_RETURN(const KeyLocks::Lock lock, under_way_.Take(input.artifact.key, stop));
   if (store_.Find(input.artifact.key) == input.artifact) {
     Result<std::string> bytes = store_.Get(input.artifact.key);
     if (bytes.ok()) return bytes;
