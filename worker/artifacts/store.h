@@ -14,6 +14,7 @@
 
 #include "common/base/status.h"
 #include "common/job/task_spec.h"
+#include "worker/artifacts/key_locks.h"
 
 namespace depthfarm {
 
@@ -82,6 +83,10 @@ class ArtifactStore {
   // Bytes of all files, headers included: at most the bound.
   [[nodiscard]] std::uint64_t total_bytes() const;
 
+  // Who is about to fetch an artifact from elsewhere into this store holds its lock, so that it is fetched once
+  // (FetchOnce).
+  [[nodiscard]] KeyLocks& fetching() { return fetching_; }
+
   [[nodiscard]] ArtifactPins Pin(std::vector<ArtifactKey> keys);
   // Removes an artifact that turned out to be useless, and reports it as dropped.
   void Drop(const ArtifactKey& key);
@@ -120,6 +125,8 @@ class ArtifactStore {
   const std::filesystem::path folder_;
   const std::uint64_t max_bytes_;
   const int lock_file_;  // held for the store's life: one worker per folder
+
+  KeyLocks fetching_;
 
   mutable std::mutex mutex_;
   std::map<ArtifactKey, Entry> entries_;

@@ -1,16 +1,17 @@
 #include "worker/execution/fetch_ahead.h"
 
-#include <string>
 #include <utility>
 #include <vector>
+
+#include "worker/execution/fetch_once.h"
 
 namespace depthfarm {
 
 std::uint64_t FetchIntoStore(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskInput& artifact,
                              const std::stop_token& stop) {
   if (store.Find(artifact.artifact.key).has_value()) return 0;
-  const Result<std::string> bytes = fetcher.Fetch(artifact, stop);
-  return bytes.ok() && store.PutVerified(artifact.artifact, *bytes).ok() ? bytes->size() : 0;
+  const Result<Fetched> fetched = FetchOnce(store, fetcher, artifact, stop);
+  return fetched.ok() ? fetched->fetched_bytes : 0;
 }
 
 FetchedAhead FetchAhead(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskSpec& spec,

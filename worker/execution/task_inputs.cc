@@ -7,6 +7,7 @@
 
 #include "worker/confidence/confidence_codec.h"
 #include "worker/estimation/label_field_codec.h"
+#include "worker/execution/fetch_once.h"
 #include "worker/refinement/refined_view_codec.h"
 #include "worker/segmentation/analysis_codec.h"
 
@@ -119,21 +120,19 @@ Status TaskInputs::LoadOne(const TaskInput& input) {
 template <typename T>
 Result<std::shared_ptr<const T>> TaskInputs::FindOrFetch(const TaskInput& input) {
   if (auto here = Find<T>(input.artifact.key); here != nullptr) return here;
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, FetchAndStore(input));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, Fetch(input));
   DEPTHFARM_ASSIGN_OR_RETURN(auto decoded, Decode<T>(bytes));
   cache_.Put(input.artifact.key, decoded);
   return decoded;
 }
 
-Result<std::string> TaskInputs::FetchAndStore(const TaskInput& input) {
+Result<std::string> TaskInputs::Fetch(const TaskInput& input) {
   const auto start = std::chrono::steady_clock::now();
-  Result<std::string> bytes = fetcher_.Fetch(input, stop_);
+  Result<Fetched> fetched = FetchOnce(store_, fetcher_, input, stop_);
   fetch_seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!bytes.ok()) return bytes;
-  fetched_bytes_ += bytes->size();
-  // A store too full to keep a copy is no reason to fail: the task has what it needs.
-  (void)store_.PutVerified(input.artifact, *bytes).ok();
-  return bytes;
+  if (!fetched.ok()) return fetched.status();
+  fetched_bytes_ += fetched->fetched_bytes;
+  return std::move(fetched->artifact);
 }
 
 template <typename T>

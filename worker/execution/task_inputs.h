@@ -56,7 +56,7 @@ class TaskInputs {
     std::shared_ptr<const ConfidenceMap> confidence;
   };
   [[nodiscard]] Status LoadOne(const TaskInput& input);
-  [[nodiscard]] Result<std::string> FetchAndStore(const TaskInput& input);
+  [[nodiscard]] Result<std::string> Fetch(const TaskInput& input);
   template <typename T>
   [[nodiscard]] Result<std::shared_ptr<const T>> FindOrFetch(const TaskInput& input);
 

@@ -37,18 +37,6 @@ std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_strin
 
 }  // namespace
 
-Result<std::string> PeerFetcher::Fetch(const TaskInput& input, const std::stop_token& stop) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const KeyLocks::Lock lock, under_way_.Take(input.artifact.key, stop));
-  if (store_.Find(input.artifact.key) == input.artifact) {
-    Result<std::string> bytes = store_.Get(input.artifact.key);
-    if (bytes.ok()) return bytes;
-  }
-  Result<std::string> bytes = client_.Fetch(input.artifact, input.locations, stop);
-  // A store too full to keep a copy is no reason to fail: the task has what it needs.
-  if (bytes.ok()) (void)store_.PutVerified(input.artifact, *bytes).ok();
-  return bytes;
-}
-
 Result<std::unique_ptr<WorkerService>> WorkerService::Create(const WorkerOptions& options) {
   std::unique_ptr<WorkerService> service(new WorkerService(options));
   DEPTHFARM_RETURN_IF_ERROR(service->Open());
@@ -115,8 +103,8 @@ Status WorkerService::OpenArtifacts(const std::optional<WorkerKeys>& keys) {
   fetch.max_artifact_bytes = options_.cache_bytes;
   cache_ = std::make_unique<MemoryCache>(options_.memory_bytes);
   for (int i = 0; i <= options_.slots; ++i) {
-    fetchers_.push_back(std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch),
-                                                      *store_, under_way_));
+    fetchers_.push_back(
+        std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch)));
   }
   for (int slot = 0; slot < options_.slots; ++slot) {
     executors_.push_back(

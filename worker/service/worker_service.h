@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/status.h"
@@ -19,7 +20,6 @@
 #include "worker/execution/task_executor.h"
 #include "worker/lifecycle/lifecycle.h"
 #include "worker/service/compute_pool.h"
-#include "worker/service/key_locks.h"
 #include "worker/service/messages.h"
 #include "worker/transfer/artifact_client.h"
 #include "worker/transfer/artifact_server.h"
@@ -48,18 +48,16 @@ struct WorkerOptions {
   std::optional<Milliseconds> give_up;  // leave after so long without the coordinator
 };
 
-// Fetches inputs from other workers into the store. Not thread-safe; of several that share `under_way` one fetches an
-// artifact, and the others wait for it.
+// Fetches inputs from other workers. Not thread-safe: each thread that fetches has its own.
 class PeerFetcher : public ArtifactFetcher {
  public:
-  PeerFetcher(ArtifactClient client, ArtifactStore& store, KeyLocks& under_way)
-      : client_(std::move(client)), store_(store), under_way_(under_way) {}
-  [[nodiscard]] Result<std::string> Fetch(const TaskInput& input, const std::stop_token& stop) override;
+  explicit PeerFetcher(ArtifactClient client) : client_(std::move(client)) {}
+  [[nodiscard]] Result<std::string> Fetch(const TaskInput& input, const std::stop_token& stop) override {
+    return client_.Fetch(input.artifact, input.locations, stop);
+  }
 
  private:
   ArtifactClient client_;
-  ArtifactStore& store_;
-  KeyLocks& under_way_;
 };
 
 // A worker: carries out what its Lifecycle decides. Threads: the caller of Run talks to the coordinator, one computes
@@ -115,7 +113,6 @@ class WorkerService {
   std::unique_ptr<ArtifactStore> store_;
   std::unique_ptr<ArtifactServer> server_;
   std::unique_ptr<MemoryCache> cache_;
-  KeyLocks under_way_;
   std::vector<std::unique_ptr<PeerFetcher>> fetchers_;    // one for each slot, and that which fetches ahead
   std::vector<std::unique_ptr<TaskExecutor>> executors_;  // one for each slot
   std::unique_ptr<ClientChannel> coordinator_;

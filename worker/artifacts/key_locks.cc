@@ -1,4 +1,4 @@
-#include "worker/service/key_locks.h"
+#include "worker/artifacts/key_locks.h"
 
 namespace depthfarm {
 

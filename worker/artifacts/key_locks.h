@@ -1,5 +1,5 @@
-#ifndef DEPTHFARM_WORKER_SERVICE_KEY_LOCKS_H_
-#define DEPTHFARM_WORKER_SERVICE_KEY_LOCKS_H_
+#ifndef DEPTHFARM_WORKER_ARTIFACTS_KEY_LOCKS_H_
+#define DEPTHFARM_WORKER_ARTIFACTS_KEY_LOCKS_H_
 
 #include <condition_variable>
 #include <mutex>
@@ -42,4 +42,4 @@ class KeyLocks {
 
 }  // namespace depthfarm
 
-#endif  // DEPTHFARM_WORKER_SERVICE_KEY_LOCKS_H_
+#endif  // DEPTHFARM_WORKER_ARTIFACTS_KEY_LOCKS_H_

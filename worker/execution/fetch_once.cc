@@ -1,0 +1,22 @@
+#include "worker/execution/fetch_once.h"
+
+#include <utility>
+
+namespace depthfarm {
+
+Result<Fetched> FetchOnce(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskInput& input,
+                          const std::stop_token& stop) {
+  const ArtifactInfo& wanted = input.artifact;
+  DEPTHFARM_ASSIGN_OR_RETURN(const KeyLocks::Lock lock, store.fetching().Take(wanted.key, stop));
+  if (store.Find(wanted.key) == wanted) {
+    if (Result<std::string> stored = store.Get(wanted.key); stored.ok())
+      return Fetched{.artifact = *std::move(stored), .fetched_bytes = 0};
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, fetcher.Fetch(input, stop));
+  // A store too full to keep a copy is no reason to fail: the task has what it needs.
+  (void)store.PutVerified(wanted, bytes).ok();
+  const std::uint64_t size = bytes.size();
+  return Fetched{.artifact = std::move(bytes), .fetched_bytes = size};
+}
+
+}  // namespace depthfarm
