@@ -182,7 +182,10 @@ DepthLevels ResolvedJob::Levels() const {
 }
 
 int SearchStep(const ResolvedJob& job, int num_blocks) {
-  if (job.params.search != Search::kSparse || job.params.refine_rounds == 0) return 1;
+  const auto has_neighbours = [](const JobView& view) { return !view.neighbours.empty(); };
+  if (job.params.search != Search::kSparse || job.params.refine_rounds == 0 ||
+      std::none_of(job.views.begin(), job.views.end(), has_neighbours))
+    return 1;
   const double needed = std::max(1.0, StepsToRefine(PixelsOfRange(job, job.Levels())));
   const int step = std::max(1, static_cast<int>((job.params.levels - 1) / needed));
   return job.params.partition == Partition::kInterleaved ? (step + num_blocks - 1) / num_blocks : step;

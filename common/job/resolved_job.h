@@ -62,7 +62,7 @@ struct ResolvedJob {
 
 // The sparse search of a part of `num_blocks` tries each k-th of the part's levels first, then those around what it
 // found: k as large as the levels that refinement needs (ResolveJob) are apart, in levels of the part, rounded down for
-// n = 1, then up; 1 with the full search or without refinement.
+// n = 1, then up; 1 with the full search, without refinement or without any neighbours.
 [[nodiscard]] int SearchStep(const ResolvedJob& job, int num_blocks);
 
 // Of a rendering job: `num_parts` frames that need nothing but to be written.

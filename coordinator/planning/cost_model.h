@@ -51,6 +51,8 @@ class CostModel {
   const ResolvedJob& job_;
   double pixels_ = 0;    // of all views
   double segments_ = 0;  // of all views
+  int search_step_i_ = 1;
+  int search_step_p_ = 1;
 };
 
 }  // namespace depthfarm
