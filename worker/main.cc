@@ -150,7 +150,7 @@ int main(int argc, char** argv) {
   app.add_option(
          "--task-memory", options.task_memory_bytes,
          "memory for tasks: a task whose predicted need does not fit beside the others goes elsewhere or waits; "
-         "default: that of the machine or its control group, less --memory")
+         "default: that of the machine or its control group, less --memory, which is right for one worker on a host")
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--tags", options.tags, "what this worker has, for jobs submitted with --require, e.g. fast,room2")
       ->delimiter(',');

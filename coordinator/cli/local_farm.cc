@@ -65,11 +65,21 @@ Status LocalFarm::StartProcesses() {
 }
 
 Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
-  return ChildProcess::Start(worker_program_,
-                             {"--coordinator", endpoint_, "--cache-dir", (folder_.path() / (name + "-cache")).string(),
-                              "--threads", std::to_string(options_.threads), "--exit-with-parent", "--give-up-seconds",
-                              "30", "--log-level", options_.log_level},
-                             LogOf(name));
+  std::vector<std::string> arguments = {"--coordinator",
+                                        endpoint_,
+                                        "--cache-dir",
+                                        (folder_.path() / (name + "-cache")).string(),
+                                        "--threads",
+                                        std::to_string(options_.threads),
+                                        "--exit-with-parent",
+                                        "--give-up-seconds",
+                                        "30",
+                                        "--log-level",
+                                        options_.log_level};
+  if (options_.task_memory_bytes > 0) {
+    arguments.insert(arguments.end(), {"--task-memory", std::to_string(options_.task_memory_bytes)});
+  }
+  return ChildProcess::Start(worker_program_, arguments, LogOf(name));
 }
 
 LocalFarm::~LocalFarm() {

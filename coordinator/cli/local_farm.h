@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_COORDINATOR_CLI_LOCAL_FARM_H_
 #define DEPTHFARM_COORDINATOR_CLI_LOCAL_FARM_H_
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -17,7 +18,8 @@ struct LocalFarmOptions {
   int threads = 1;                // of each worker
   std::filesystem::path log_dir;  // empty: in the private folder, gone with it
   std::string log_level = "info";
-  int max_respawns = 5;  // of workers, in all
+  std::uint64_t task_memory_bytes = 0;  // of each worker; 0: as much as a worker alone on this machine
+  int max_respawns = 5;                 // of workers, in all
 };
 
 // A coordinator and workers on this machine, talking over sockets in a private folder (0700) that also holds the

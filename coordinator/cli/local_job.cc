@@ -8,6 +8,7 @@
 #include <memory>
 #include <thread>
 
+#include "common/base/machine_memory.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/interruption.h"
 #include "coordinator/cli/local_farm.h"
@@ -86,10 +87,12 @@ Result<LocalJob> RunLocally(const JobRequest& request, const LocalFarmArguments&
   result.workers = WorkerCount(arguments.workers);
   result.threads = arguments.threads;
   std::cerr << DescribeJob(request.resolved) << "; " << result.workers << " workers\n";
+  const std::uint64_t task_memory = TaskMemory(MachineMemory(), kUsualCacheBytes, result.workers);
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<LocalFarm> farm, LocalFarm::Start({.workers = result.workers,
                                                                                 .threads = arguments.threads,
                                                                                 .log_dir = arguments.worker_log_dir,
-                                                                                .log_level = arguments.log_level}));
+                                                                                .log_level = arguments.log_level,
+                                                                                .task_memory_bytes = task_memory}));
   Result<v1::JobStatus> job = RunOn(*farm, request);
   const bool interrupted = Interrupted();
   Status farm_status = interrupted ? Cancelled() : job.status();

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "common/base/machine_memory.h"
 #include "tests/system/disturbed_job.h"
 #include "tests/system/support.h"
 
@@ -144,6 +145,22 @@ TEST_F(RunInBackground, StartsAKilledWorkerAgain) {
   EXPECT_EQ(record["state"], "done");
   EXPECT_THAT(Differences(Undisturbed(), DepthOf(output_)), IsEmpty());
   EXPECT_TRUE(fs::is_empty(temporary_root_.path()));
+}
+
+// What follows --task-memory on the command line of a process; 0 without it.
+std::uint64_t TaskMemoryOf(pid_t worker) {
+  std::string line = ReadFile("/proc/" + std::to_string(worker) + "/cmdline");
+  const std::string option = std::string("--task-memory") + '\0';
+  const std::size_t at = line.find(option);
+  return at == std::string::npos ? 0 : std::stoull(line.substr(at + option.size()));
+}
+
+TEST_F(RunInBackground, ItsWorkersShareTheMemoryOfTheMachine) {
+  ASSERT_TRUE(WaitUntil([&] { return Workers().size() == 2; })) << Log();
+  for (const pid_t worker : Workers()) {
+    EXPECT_GT(TaskMemoryOf(worker), 0U);
+    EXPECT_LE(TaskMemoryOf(worker), MachineMemory() / 2);
+  }
 }
 
 TEST_F(RunInBackground, CleansUpWhenInterrupted) {

@@ -8,12 +8,12 @@
 #include <random>
 #include <utility>
 
+#include "common/base/machine_memory.h"
 #include "common/log/log.h"
 #include "common/transport/endpoint.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
 #include "worker/service/addresses.h"
-#include "worker/service/machine_memory.h"
 
 namespace depthfarm {
 namespace {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/machine_memory.h"
 #include "common/base/status.h"
 #include "common/transport/client_channel.h"
 #include "common/transport/context.h"
@@ -33,16 +34,16 @@ struct WorkerOptions {
   std::filesystem::path keys;  // folder; empty: no CURVE
   bool insecure = false;       // tcp without CURVE, on loopback addresses only
   std::filesystem::path cache_dir;
-  std::uint64_t cache_bytes = std::uint64_t{8} << 30;   // bound of the store
-  std::uint64_t memory_bytes = std::uint64_t{2} << 30;  // bound of the decoded artifacts kept in memory
-  int slots = 1;                                        // tasks computed at a time
-  std::vector<std::string> tags;                        // what it has that jobs may ask for
-  std::uint64_t task_memory_bytes = 0;                  // for its tasks; 0: TaskMemory of this machine
-  int ahead = 1;                                        // tasks taken besides, to fetch their inputs meanwhile
-  std::string name;                                     // empty: host:pid:random
-  std::string artifact_listen;                          // empty: DefaultArtifactEndpoint
-  std::string advertise;                                // host name for peers; empty: this host's name, or as bound
-  int threads = 1;                                      // on which a task is computed, 1 to kMostThreads
+  std::uint64_t cache_bytes = std::uint64_t{8} << 30;  // bound of the store
+  std::uint64_t memory_bytes = kUsualCacheBytes;       // bound of the decoded artifacts kept in memory
+  int slots = 1;                                       // tasks computed at a time
+  std::vector<std::string> tags;                       // what it has that jobs may ask for
+  std::uint64_t task_memory_bytes = 0;                 // for its tasks; 0: TaskMemory of this machine, alone
+  int ahead = 1;                                       // tasks taken besides, to fetch their inputs meanwhile
+  std::string name;                                    // empty: host:pid:random
+  std::string artifact_listen;                         // empty: DefaultArtifactEndpoint
+  std::string advertise;                               // host name for peers; empty: this host's name, or as bound
+  int threads = 1;                                     // on which a task is computed, 1 to kMostThreads
   std::string software_version;
   bool exit_with_parent = false;        // leave when the process that started this one ends (after the start)
   std::optional<Milliseconds> give_up;  // leave after so long without the coordinator

@@ -1,4 +1,4 @@
-#include "worker/service/machine_memory.h"
+#include "common/base/machine_memory.h"
 
 #include <gtest/gtest.h>
 
@@ -34,6 +34,13 @@ TEST(TaskMemory, LeavesTheCacheItsShareUpToHalf) {
   EXPECT_EQ(TaskMemory(100, 30), 70U);
   EXPECT_EQ(TaskMemory(100, 80), 50U);
   EXPECT_EQ(TaskMemory(0, 80), 0U);
+}
+
+TEST(TaskMemory, IsOneShareWhereWorkersShareTheMachine) {
+  EXPECT_EQ(TaskMemory(1000, 30, 4), 220U);
+  EXPECT_EQ(TaskMemory(1000, 200, 4), 125U);
+  EXPECT_LE(3 * (TaskMemory(1000, 30, 3) + 30), 1000U) << "all of them fit";
+  EXPECT_EQ(TaskMemory(0, 80, 4), 0U);
 }
 
 }  // namespace

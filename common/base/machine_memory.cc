@@ -1,4 +1,4 @@
-#include "worker/service/machine_memory.h"
+#include "common/base/machine_memory.h"
 
 #include <unistd.h>
 
@@ -50,8 +50,9 @@ std::uint64_t MachineMemory(const std::string& cgroup_root, const std::string& p
   }
 }
 
-std::uint64_t TaskMemory(std::uint64_t machine_bytes, std::uint64_t cache_bytes) {
-  return machine_bytes - std::min(cache_bytes, machine_bytes / 2);
+std::uint64_t TaskMemory(std::uint64_t machine_bytes, std::uint64_t cache_bytes, int workers) {
+  const std::uint64_t share = machine_bytes / static_cast<std::uint64_t>(workers);
+  return share - std::min(cache_bytes, share / 2);
 }
 
 }  // namespace depthfarm
