@@ -111,8 +111,8 @@ ArtifactKey ArtifactKeys::AnalysisRequest(const JobConfig& config, int view, con
                                           const GuideFiles& guides, std::span<const Input> inputs) {
   const JobView& of = config.resolved.views[static_cast<std::size_t>(view)];
   const EstimationParams& params = config.resolved.params;
-  return KeyBuilder("analysis request")
-      .Add(config.algorithm_version)
+  KeyBuilder builder("analysis request");
+  builder.Add(config.algorithm_version)
       .Add(static_cast<int>(of.format.kind))
       .Add(of.format.bits)
       .Add(static_cast<int>(of.format.full_range))
@@ -130,9 +130,10 @@ ArtifactKey ArtifactKeys::AnalysisRequest(const JobConfig& config, int view, con
       .Add(guides.mask)
       .Add(guides.prior)
       .Add(guides.prior_confidence)
-      .Add(params.p_threshold)  // where there are inputs
-      .Add(inputs)
-      .Build();
+      .Add(inputs);
+  // As AnalysisKey (worker/execution/analysis_key.cc): only of a P frame, which reads the analysis before it.
+  if (!inputs.empty()) builder.Add(params.p_threshold);
+  return builder.Build();
 }
 
 ArtifactKey ArtifactKeys::Assess(int view, std::span<const Input> inputs) const {

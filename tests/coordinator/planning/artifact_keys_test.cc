@@ -102,6 +102,19 @@ TEST(ArtifactKeys, TaskAndInputsChangeTheKey) {
   EXPECT_EQ(distinct.size(), 12U);
 }
 
+TEST(ArtifactKeys, AnalysisOfAnIFrameDoesNotDependOnWhatStandsStill) {
+  const JobConfig base = MakePlannedJob({}).config;
+  JobConfig other = base;
+  ++other.resolved.params.p_threshold;
+  const auto request = [](const JobConfig& config, const Inputs& inputs) {
+    return ArtifactKeys::AnalysisRequest(config, 0, "/in/cam0/0.png", {}, inputs);
+  };
+  const Inputs before = {{InputRole::kPreviousAnalysis, ArtifactKey{1}}};
+  EXPECT_EQ(request(base, {}), request(other, {}));
+  EXPECT_NE(request(base, before), request(other, before));
+  EXPECT_NE(request(base, {}), request(base, before));
+}
+
 TEST(ArtifactKeys, OneBlockIsTheSameHoweverLevelsAreSpread) {
   JobConfig contiguous = MakePlannedJob({}).config;
   contiguous.resolved.params.partition = Partition::kContiguous;
