@@ -11,17 +11,15 @@
 namespace depthfarm {
 namespace {
 
-constexpr int kUsualPixels = 1024 * 768;  // of a larger view that is refined segments grow
-constexpr int kMaxAutoLevels = 250;
-constexpr double kLevelPixels = 1;          // refinement finds what lies between levels a pixel apart, unless
-constexpr double kFewestSteps = 24;         // there are so few that they can as well be finer,
-constexpr double kFinalLevelPixels = 0.25;  // as they must be without it
+constexpr int kUsualPixels = 1024 * 768;    // of a larger view that is refined segments grow
+constexpr double kLevelPixels = 1;          // refinement finds what lies between levels a pixel apart,
+constexpr double kFinalLevelPixels = 0.25;  // without it they must be finer
 // Segments x levels of all views. With the full search, below kSmallProblem splitting costs more than it saves.
 constexpr long long kSmallProblem = 2'000'000;
 constexpr long long kLargeProblem = 20'000'000;
-// The sparse search is cheapest in one part, and is split for its memory alone: 4 bytes of beliefs for each of them,
-// and 8 for each match that has a reward.
-constexpr long long kMostBytesOfPart = 350'000'000;
+// What of them takes memory in the sparse search: beliefs, and each match that has a reward.
+constexpr long long kBeliefBytes = 4;
+constexpr long long kMatchBytes = 8;
 constexpr long long kMostParts = 4096;
 
 // Of planes that are refined fewer are enough where pictures are large (docs/results.md, Segments of large pictures).
@@ -112,13 +110,30 @@ double PixelsOfRange(const ResolvedJob& job, const DepthLevels& planes) {
 
 // Steps between levels that refinement needs.
 double StepsToRefine(double pixels) {
-  return std::min(std::ceil(pixels / kFinalLevelPixels), std::max(kFewestSteps, std::ceil(pixels / kLevelPixels)));
+  return std::min(std::ceil(pixels / kFinalLevelPixels),
+                  std::max(kFewAutoLevels - 1.0, std::ceil(pixels / kLevelPixels)));
 }
 
 int AutoLevels(const ResolvedJob& job, const DepthLevels& planes) {
   const double pixels = PixelsOfRange(job, planes);
   const double steps = job.params.refine_rounds > 0 ? StepsToRefine(pixels) : std::ceil(pixels / kFinalLevelPixels);
-  return static_cast<int>(std::clamp(steps + 1, 2.0, static_cast<double>(kMaxAutoLevels)));
+  return static_cast<int>(std::clamp(steps + 1, 2.0, static_cast<double>(kMostAutoLevels)));
+}
+
+// SearchStep of a job in one part.
+int StepOfWhole(const ResolvedJob& job) {
+  const auto has_neighbours = [](const JobView& view) { return !view.neighbours.empty(); };
+  if (job.params.search != Search::kSparse || job.params.refine_rounds == 0 ||
+      std::none_of(job.views.begin(), job.views.end(), has_neighbours))
+    return 1;
+  const double needed = std::max(1.0, StepsToRefine(PixelsOfRange(job, job.Levels())));
+  return std::max(1, static_cast<int>((job.params.levels - 1) / needed));
+}
+
+// Of `num_blocks` parts, whose levels are farther apart if they are interleaved.
+int StepOfPart(int step_of_whole, const ResolvedJob& job, int num_blocks) {
+  return job.params.partition == Partition::kInterleaved ? (step_of_whole + num_blocks - 1) / num_blocks
+                                                         : step_of_whole;
 }
 
 void ResolveBlocks(ResolvedJob& job) {
@@ -131,10 +146,13 @@ void ResolveBlocks(ResolvedJob& job) {
   if (job.params.search == Search::kSparse) {
     std::size_t matches = 0;
     for (const JobView& view : job.views) matches = std::max(matches, view.neighbours.size());
-    const long long of_matches = 8 * static_cast<long long>(matches) / (job.params.uniqueness > 0 ? 4 : 1);
+    const long long of_matches = kMatchBytes * static_cast<long long>(matches) / (job.params.uniqueness > 0 ? 4 : 1);
     const auto most = static_cast<int>(std::clamp<long long>(job.params.levels / 8, 1, kMostParts));
     job.level_blocks_i = 1;
-    const auto bytes = [&](int parts) { return entries * (4 + of_matches) / (1LL * parts * SearchStep(job, parts)); };
+    const int step = StepOfWhole(job);
+    const auto bytes = [&](int parts) {
+      return entries * (kBeliefBytes + of_matches) / (1LL * parts * StepOfPart(step, job, parts));
+    };
     while (job.level_blocks_i < most && bytes(job.level_blocks_i) > kMostBytesOfPart) ++job.level_blocks_i;
     job.level_blocks_p = (job.level_blocks_i + 1) / 2;
     job.params.level_blocks = job.level_blocks_i;
@@ -181,15 +199,7 @@ DepthLevels ResolvedJob::Levels() const {
   return std::move(levels).value();
 }
 
-int SearchStep(const ResolvedJob& job, int num_blocks) {
-  const auto has_neighbours = [](const JobView& view) { return !view.neighbours.empty(); };
-  if (job.params.search != Search::kSparse || job.params.refine_rounds == 0 ||
-      std::none_of(job.views.begin(), job.views.end(), has_neighbours))
-    return 1;
-  const double needed = std::max(1.0, StepsToRefine(PixelsOfRange(job, job.Levels())));
-  const int step = std::max(1, static_cast<int>((job.params.levels - 1) / needed));
-  return job.params.partition == Partition::kInterleaved ? (step + num_blocks - 1) / num_blocks : step;
-}
+int SearchStep(const ResolvedJob& job, int num_blocks) { return StepOfPart(StepOfWhole(job), job, num_blocks); }
 
 ResolvedJob PartsOnly(int num_parts) {
   ResolvedJob job;
@@ -233,7 +243,7 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
   }
   // Whom a view sees and how far points travel depends on the ends of the range alone, but a view may stand between the
   // planes: it sees those that there will be at most.
-  const int most_levels = params.levels > 0 ? params.levels : kMaxAutoLevels;
+  const int most_levels = params.levels > 0 ? params.levels : kMostAutoLevels;
   DEPTHFARM_ASSIGN_OR_RETURN(const DepthLevels planes,
                              DepthLevels::Create(job.reference, job.params.z_near, job.params.z_far, most_levels));
   const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, planes, params.neighbours);

@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_JOB_RESOLVED_JOB_H_
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,13 @@ struct JobView {
 // lose 0.1 dB.
 inline constexpr int kRefineRoundsOfPFrames = 2;
 
+// Of levels that nobody asks for: so few can as well be finer than refinement needs them; and never more.
+inline constexpr int kFewAutoLevels = 25;
+inline constexpr int kMostAutoLevels = 250;
+
+// The sparse search is cheapest in one part, and is split for its memory alone: bytes of beliefs and matches of a part.
+inline constexpr std::int64_t kMostBytesOfPart = 350'000'000;
+
 // A job with nothing left open: every "auto" is a number, so that all tasks of the job, wherever they run, do the same.
 // A function of the sequence and the parameters alone, never of the farm.
 struct ResolvedJob {
@@ -42,6 +50,7 @@ struct ResolvedJob {
   int level_blocks_p = 1;  // n for P frames: few nodes are left, so fewer tasks pay
 
   [[nodiscard]] int num_views() const { return static_cast<int>(views.size()); }
+  [[nodiscard]] int num_gops() const { return (num_frames + params.gop - 1) / params.gop; }
   [[nodiscard]] int GopOf(int frame) const { return frame / params.gop; }
   // The I frame that a frame refers to, or is.
   [[nodiscard]] int IFrameOf(int frame) const {

@@ -12,10 +12,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// What ResolveJob says of levels that nobody asked for.
-constexpr int kFewLevels = 25;
-constexpr int kMostLevels = 250;
-
 std::string Bytes(std::uint64_t bytes) { return FormatBytes(static_cast<double>(bytes)); }
 
 std::string Count(std::size_t count, const std::string& one) {
@@ -41,10 +37,10 @@ Choice SegmentsChoice(const ResolvedJob& job) {
 Choice LevelsChoice(const ResolvedJob& job) {
   const int levels = job.params.levels;
   std::string reason = "about a pixel apart in the nearest neighbour";
-  if (levels <= kFewLevels) reason = "so few that they are less than a pixel apart in the nearest neighbour";
+  if (levels <= kFewAutoLevels) reason = "so few that they are less than a pixel apart in the nearest neighbour";
   if (job.params.refine_rounds == 0)
     reason = "about a quarter of a pixel apart in the nearest neighbour: no refinement";
-  if (levels >= kMostLevels) reason = "as many as are taken without being asked for";
+  if (levels >= kMostAutoLevels) reason = "as many as are taken without being asked for";
   return {"levels", std::to_string(levels), reason};
 }
 
@@ -53,17 +49,18 @@ Choice BlocksChoice(const ResolvedJob& job) {
   std::string value = std::to_string(job.level_blocks_i);
   if (job.HasPFrames() && job.level_blocks_p != job.level_blocks_i)
     value += ", P frames " + std::to_string(job.level_blocks_p);
+  const std::string most = std::to_string(kMostBytesOfPart / 1'000'000) + " MB";
   std::string reason = "one task searches all levels of a frame: ";
-  reason += sparse ? "its matches and beliefs take less than 350 MB" : "splitting would cost more than it saves";
+  reason += sparse ? "its matches and beliefs take less than " + most : "splitting would cost more than it saves";
   if (job.level_blocks_i > 1) {
     reason = "so many tasks of a frame search some levels each, side by side, and are merged";
-    if (sparse) reason += ": each takes about 350 MB or less for matches and beliefs";
+    if (sparse) reason += ": each takes about " + most + " or less for matches and beliefs";
   }
   return {"level-blocks", value, reason};
 }
 
 Choice GopsChoice(const ResolvedJob& job) {
-  const int gops = (job.num_frames + job.params.gop - 1) / job.params.gop;
+  const int gops = job.num_gops();
   std::string reason = "every frame is an I frame, estimated on its own";
   if (job.params.anchor == Anchor::kShared && gops > 1) {
     reason = "all refer to the first frame, the only I frame; GOPs side by side once that is done";

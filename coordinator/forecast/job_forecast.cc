@@ -167,7 +167,7 @@ class Extrapolation {
   // GOPs refer to comes before, with all workers.
   [[nodiscard]] Figures OfManyGops(int workers) {
     const int gop = job_.params.gop;
-    const int gops = (job_.num_frames + gop - 1) / gop;
+    const int gops = job_.num_gops();
     const bool shared = job_.params.anchor == Anchor::kShared;
     const int before = shared ? 1 : 0;  // frames
     double farms = static_cast<double>(gops) / whole_gops_;

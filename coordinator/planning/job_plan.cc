@@ -53,7 +53,7 @@ JobPlan::JobPlan(PlannedJob job)
       rounds_i_(MergeRounds(resolved().level_blocks_i)),
       rounds_p_(MergeRounds(resolved().level_blocks_p)) {}
 
-int JobPlan::num_gops() const { return (resolved().num_frames + resolved().params.gop - 1) / resolved().params.gop; }
+int JobPlan::num_gops() const { return resolved().num_gops(); }
 
 const std::vector<std::vector<MergePair>>& JobPlan::Rounds(int frame) const {
   return resolved().IsIFrame(frame) ? rounds_i_ : rounds_p_;

@@ -328,11 +328,32 @@ TEST(ResolveJobBlocks, FollowTheSizeOfTheProblem) {
   }
 }
 
+TEST(ResolveJobBlocks, NoPartTakesMoreThanItsBound) {
+  EstimationParams params;
+  params.refine_rounds = 0;
+  params.segments = 76800;
+  params.levels = 520;
+  const ResolvedJob job = Resolved(LineSequence({0, 0.1, 0.2}), params);
+  const std::int64_t bytes = std::int64_t{3} * 76800 * 520 * (4 + 8 * 2 / 4);
+  EXPECT_LE(bytes / job.level_blocks_i, kMostBytesOfPart);
+  EXPECT_GT(bytes / (job.level_blocks_i - 1), kMostBytesOfPart);
+}
+
 TEST(ResolveJobBlocks, LevelsThatAreNotAllTriedTakeNoMemory) {
   EstimationParams params;
   params.segments = 76800;
   params.levels = 520;
   EXPECT_EQ(Resolved(LineSequence({0, 0.1, 0.2}), params).level_blocks_i, 1);
+}
+
+TEST(ResolvedJob, TheLastGopMayBeShorter) {
+  ResolvedJob job;
+  job.num_frames = 7;
+  for (const auto& [gop, count] : {std::pair(1, 7), std::pair(3, 3), std::pair(7, 1), std::pair(9, 1)}) {
+    job.params.gop = gop;
+    EXPECT_EQ(job.num_gops(), count);
+  }
+  EXPECT_EQ(PartsOnly(4).num_gops(), 4);
 }
 
 TEST(SearchStep, IsAsLongAsLevelsThatRefinementNeeds) {
