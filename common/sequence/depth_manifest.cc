@@ -11,6 +11,7 @@
 #include "common/files/atomic_file.h"
 #include "common/sequence/frame_name.h"
 #include "common/sequence/json_fields.h"
+#include "common/sequence/output_layout.h"
 #include "common/sequence/read_sequence.h"
 
 namespace depthfarm {
@@ -26,13 +27,6 @@ constexpr const char* kNoDigest = "not 64 lower-case hexadecimal digits";
 bool IsSha256(const std::string& text) {
   return text.size() == kDigestLength &&
          std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
-}
-
-bool StaysInFolder(const std::string& path) {
-  if (path.empty() || HasControlCharacter(path)) return false;
-  const std::filesystem::path normal = std::filesystem::path(path).lexically_normal();
-  return normal == std::filesystem::path(path) && normal.is_relative() && *normal.begin() != ".." &&
-         normal.has_filename() && normal != ".";
 }
 
 // Of files and their digests under two keys; empty: nothing.
@@ -201,11 +195,11 @@ Result<std::map<std::string, ManifestNumberOrText>> ReadParameters(const JsonFie
 }  // namespace
 
 std::string DepthFileName(const std::string& camera, int frame, const std::string& extension) {
-  return "depth/" + camera + "/" + FrameName(frame) + "." + extension;
+  return std::string(kDepthFolder) + "/" + camera + "/" + FrameName(frame) + "." + extension;
 }
 
 std::string ConfidenceFileName(const std::string& camera, int frame) {
-  return "confidence/" + camera + "/" + FrameName(frame) + ".png";
+  return std::string(kConfidenceFolder) + "/" + camera + "/" + FrameName(frame) + ".png";
 }
 
 Result<std::string> FormatDepthManifest(const DepthManifest& manifest) {

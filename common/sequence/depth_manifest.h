@@ -41,12 +41,6 @@ struct DepthManifest {
   std::vector<DepthManifestCamera> cameras;
 };
 
-inline constexpr const char* kDepthManifestName = "depth.json";
-inline constexpr const char* kViewsManifestName = "views.json";  // the same of virtual views
-// In an output folder while a job owns it, or ended without giving it up.
-inline constexpr const char* kDepthJobMarker = ".depthfarm-job";
-inline constexpr const char* kViewsJobMarker = ".depthfarm-views-job";
-
 // "depth/<camera>/<frame, 4 digits or more>.<extension>".
 [[nodiscard]] std::string DepthFileName(const std::string& camera, int frame, const std::string& extension = "png");
 

@@ -10,6 +10,7 @@
 #include "common/sequence/depth_manifest.h"
 #include "common/sequence/frame_name.h"
 #include "common/sequence/json_fields.h"
+#include "common/sequence/output_layout.h"
 
 namespace depthfarm {
 namespace {
@@ -110,9 +111,9 @@ Status AddDescribed(const fs::path& folder, Sequence& sequence) {
         continue;
       }
       const std::string name = camera.camera.name + "/" + FrameName(static_cast<int>(frame));
-      camera.prior[frame] = IfThere(folder / "depth" / (name + ".pfm"));
-      if (camera.prior[frame].empty()) camera.prior[frame] = IfThere(folder / "depth" / (name + ".png"));
-      camera.prior_confidence[frame] = IfThere(folder / "confidence" / (name + ".png"));
+      camera.prior[frame] = IfThere(folder / kDepthFolder / (name + ".pfm"));
+      if (camera.prior[frame].empty()) camera.prior[frame] = IfThere(folder / kDepthFolder / (name + ".png"));
+      camera.prior_confidence[frame] = IfThere(folder / kConfidenceFolder / (name + ".png"));
     }
   }
   return {};

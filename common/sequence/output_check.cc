@@ -12,6 +12,7 @@
 #include "common/files/atomic_file.h"
 #include "common/sequence/depth_manifest.h"
 #include "common/sequence/json_fields.h"
+#include "common/sequence/output_layout.h"
 
 namespace depthfarm {
 namespace {
@@ -27,13 +28,6 @@ using Listed = std::map<std::string, std::string>;  // path -> SHA-256 in hexade
 bool Exists(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(fs::symlink_status(path, ignored));
-}
-
-// Every name of the path is one: it stays below the folder.
-bool StaysInside(const std::string& path) {
-  const fs::path names(path);
-  return !path.empty() && names.is_relative() && path.find('\0') == std::string::npos &&
-         std::ranges::none_of(names, [](const fs::path& name) { return name == ".." || name == "." || name.empty(); });
 }
 
 Status AddDepth(const std::string& directory, Listed& listed) {
@@ -63,7 +57,7 @@ Status AddViews(const std::string& directory, Listed& listed) {
                        view.contains("sha256") && view["sha256"].is_string();
     if (!right) return bad("a view is " + Shortened(view) + ", expected an object with 'file' and 'sha256'");
     const auto file = view["file"].get<std::string>();
-    if (!StaysInside(file)) return bad("file " + Shortened(view["file"]) + " is not below the folder");
+    if (!StaysInFolder(file)) return bad("file " + Shortened(view["file"]) + " is not below the folder");
     listed[file] = view["sha256"].get<std::string>();
   }
   return {};
@@ -107,17 +101,17 @@ Result<OutputCheck> CheckOutput(const std::string& directory, const std::functio
     ++check.files;
     const Result<std::string> bytes = ReadFileBytes((root / path).string(), kMaxFileBytes);
     if (!bytes.ok()) {
-      check.missing.push_back(path);
+      (Exists(root / path) ? check.unreadable : check.missing).push_back(path);
     } else if (Hex(Sha256(*bytes)) != sha256) {
       check.changed.push_back(path);
     } else {
       check.bytes += bytes->size();
     }
   }
-  for (const char* folder : {"depth", "confidence"}) {
+  for (const char* folder : {kDepthFolder, kConfidenceFolder}) {
     if (check.manifests.front() == kDepthManifestName) AddUnlisted(root, folder, listed, check);
   }
-  if (check.manifests.back() == kViewsManifestName) AddUnlisted(root, "views", listed, check);
+  if (check.manifests.back() == kViewsManifestName) AddUnlisted(root, kViewsFolder, listed, check);
   std::ranges::sort(check.unlisted);
   return check;
 }

@@ -15,12 +15,15 @@ struct OutputCheck {
   std::vector<std::string> manifests;  // those that are there
   std::uint64_t files = 0;             // that they name
   std::uint64_t bytes = 0;             // of those that are right
-  std::vector<std::string> missing;    // or unreadable
-  std::vector<std::string> changed;    // another digest
-  std::vector<std::string> unlisted;   // files of an older or other job, in the manifests' folders
-  bool unfinished = false;             // a job owns the folder: it runs, or ended without finishing
+  std::vector<std::string> missing;
+  std::vector<std::string> unreadable;  // there, but no file, too large, or the system does not let it be read
+  std::vector<std::string> changed;     // another digest
+  std::vector<std::string> unlisted;    // files of an older or other job, in the manifests' folders
+  bool unfinished = false;              // a job owns the folder: it runs, or ended without finishing
 
-  [[nodiscard]] bool good() const { return missing.empty() && changed.empty() && unlisted.empty() && !unfinished; }
+  [[nodiscard]] bool good() const {
+    return missing.empty() && unreadable.empty() && changed.empty() && unlisted.empty() && !unfinished;
+  }
 };
 
 // Reads every file that the manifests of `directory` name and compares its SHA-256. `stop` is asked before each file.

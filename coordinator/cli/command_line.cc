@@ -288,9 +288,9 @@ void DefineVerify(CLI::App& app, CommandArguments& storage) {
   app.add_option("DIR", arguments.directory, "Output folder of a job")->required()->type_name("");
   AddJsonFlag(app, arguments.json);
   app.footer(
-      "Reads every file that depth.json and views.json name and compares its SHA-256; says what is missing, changed "
-      "or\n"
-      "not of the job that wrote them. Exit code 0: all is right; 1: it is not; 2: no job finished there.\n"
+      "Reads every file that depth.json and views.json name and compares its SHA-256; says what is missing, "
+      "unreadable,\n"
+      "changed or not of the job that wrote them. Exit code 0: all is right; 1: it is not; 2: no job finished there.\n"
       "Example: depthfarm verify /shared/out");
 }
 

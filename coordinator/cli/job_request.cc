@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "common/sequence/guides.h"
+#include "common/sequence/output_layout.h"
 #include "common/sequence/read_sequence.h"
 #include "common/text/text_table.h"
 
@@ -76,8 +77,8 @@ Status CheckOutputFolder(const std::string& output_dir) {
   const fs::file_status status = fs::status(folder, error);
   if (!fs::exists(status)) return {};
   if (!fs::is_directory(status)) return InvalidArgument("output folder " + output_dir + " is a file");
-  const bool has_depth = fs::exists(folder / "depth", error);
-  const bool ours = fs::exists(folder / "depth.json", error) || fs::exists(folder / ".depthfarm-job", error);
+  const bool has_depth = fs::exists(folder / kDepthFolder, error);
+  const bool ours = fs::exists(folder / kDepthManifestName, error) || fs::exists(folder / kDepthJobMarker, error);
   if (has_depth && !ours) {
     return InvalidArgument("output folder " + output_dir +
                            " has a 'depth' that no job of depthfarm made; choose another folder or remove it");

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "common/base/machine_memory.h"
+#include "common/sequence/output_layout.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/interruption.h"
 #include "coordinator/cli/local_farm.h"
@@ -75,7 +76,7 @@ Result<v1::JobStatus> RunOn(LocalFarm& farm, const JobRequest& request) {
 // Nothing runs any more: what a killed worker left half-written can go.
 void RemoveStaging(const std::string& output_dir) {
   std::error_code ignored;
-  fs::remove_all(fs::path(output_dir) / ".depthfarm-staging", ignored);
+  fs::remove_all(fs::path(output_dir) / kStagingFolder, ignored);
 }
 
 }  // namespace

@@ -19,12 +19,13 @@ void PrintFiles(const char* what, const std::vector<std::string>& paths) {
 }
 
 void Print(const OutputCheck& check) {
-  PrintFiles("missing ", check.missing);
-  PrintFiles("changed ", check.changed);
-  PrintFiles("unlisted", check.unlisted);
+  PrintFiles("missing   ", check.missing);
+  PrintFiles("unreadable", check.unreadable);
+  PrintFiles("changed   ", check.changed);
+  PrintFiles("unlisted  ", check.unlisted);
   std::string manifests;
   for (const std::string& name : check.manifests) manifests += (manifests.empty() ? "" : " and ") + name;
-  const std::size_t right = check.files - check.missing.size() - check.changed.size();
+  const std::size_t right = check.files - check.missing.size() - check.unreadable.size() - check.changed.size();
   std::cout << right << " of " << check.files << " files of " << manifests << " are right ("
             << FormatBytes(static_cast<double>(check.bytes)) << ")\n";
   if (!check.unlisted.empty()) std::cout << "unlisted files are of another job or by hand\n";
@@ -32,9 +33,9 @@ void Print(const OutputCheck& check) {
 }
 
 nlohmann::ordered_json ToJson(const OutputCheck& check) {
-  return {{"good", check.good()},       {"manifests", check.manifests},  {"files", check.files},
-          {"bytes", check.bytes},       {"missing", check.missing},      {"changed", check.changed},
-          {"unlisted", check.unlisted}, {"unfinished", check.unfinished}};
+  return {{"good", check.good()},     {"manifests", check.manifests}, {"files", check.files},
+          {"bytes", check.bytes},     {"missing", check.missing},     {"unreadable", check.unreadable},
+          {"changed", check.changed}, {"unlisted", check.unlisted},   {"unfinished", check.unfinished}};
 }
 
 }  // namespace

@@ -108,8 +108,9 @@ TEST(Commands, VerifyFindsWhatIsNotAsTheJobLeftIt) {
   std::ofstream(fs::path(output) / "depth/cam0/0099.png") << "old";
   const Outcome bad = Depthfarm({"verify", output});
   EXPECT_EQ(bad.exit_code, 1);
-  EXPECT_THAT(bad.output, AllOf(HasSubstr("missing   depth/cam1/0002.png"), HasSubstr("changed   depth/cam0/0000.png"),
-                                HasSubstr("unlisted  depth/cam0/0099.png"), HasSubstr("10 of 12 files")));
+  EXPECT_THAT(bad.output,
+              AllOf(HasSubstr("missing     depth/cam1/0002.png"), HasSubstr("changed     depth/cam0/0000.png"),
+                    HasSubstr("unlisted    depth/cam0/0099.png"), HasSubstr("10 of 12 files")));
   EXPECT_EQ(ParseJsonTail(Depthfarm({"verify", output, "--json"}).output)["good"], false);
 }
 

@@ -6,16 +6,12 @@
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
 #include "common/sequence/depth_manifest.h"
+#include "common/sequence/output_layout.h"
 
 namespace depthfarm {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kStaging = ".depthfarm-staging";
-constexpr const char* kDepth = "depth";
-constexpr const char* kConfidence = "confidence";
-constexpr const char* kViews = "views";
 
 // One component of a path: it cannot lead anywhere else.
 bool IsPlainName(std::string_view name) {
@@ -64,8 +60,8 @@ fs::path OutputFolder::Marker() const {
 }
 
 std::vector<fs::path> OutputFolder::Folders() const {
-  if (content_ == OutputContent::kViews) return {dir_ / kViews};
-  return {dir_ / kDepth, dir_ / kConfidence};
+  if (content_ == OutputContent::kViews) return {dir_ / kViewsFolder};
+  return {dir_ / kDepthFolder, dir_ / kConfidenceFolder};
 }
 
 // "depth/<camera>/<file>", "confidence/<camera>/<file>" or "views/<file>".
@@ -78,7 +74,8 @@ Status OutputFolder::CheckOutputPath(const std::string& path) const {
   }
   const bool plain = std::ranges::all_of(names, IsPlainName);
   const bool views = content_ == OutputContent::kViews;
-  const bool known = views ? names.front() == kViews : names.front() == kDepth || names.front() == kConfidence;
+  const bool known =
+      views ? names.front() == kViewsFolder : names.front() == kDepthFolder || names.front() == kConfidenceFolder;
   if (plain && known && names.size() == (views ? 2 : 3)) return {};
   return InvalidArgument("output file '" + path + "': expected " +
                          (views ? "views/<file>" : "depth/<camera>/<file> or confidence/<camera>/<file>"));
@@ -132,7 +129,7 @@ Status OutputFolder::Resume(const std::vector<OutputFile>& files) const {
 
 Result<fs::path> OutputFolder::StagingOf(const std::string& staging) const {
   if (!IsPlainName(staging)) return InvalidArgument("staging folder '" + staging + "': expected a plain name");
-  return dir_ / kStaging / staging;
+  return dir_ / kStagingFolder / staging;
 }
 
 Status OutputFolder::Stage(const std::string& staging, const std::string& path, std::string_view bytes) const {
@@ -176,6 +173,6 @@ Status OutputFolder::Finish(std::string_view manifest) const {
   return RemoveAll(Marker());
 }
 
-Status OutputFolder::RemoveStaging() const { return RemoveAll(dir_ / kStaging); }
+Status OutputFolder::RemoveStaging() const { return RemoveAll(dir_ / kStagingFolder); }
 
 }  // namespace depthfarm

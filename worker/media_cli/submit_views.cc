@@ -4,6 +4,7 @@
 #include <system_error>
 #include <vector>
 
+#include "common/sequence/output_layout.h"
 #include "common/wire/render_wire.h"
 #include "worker/media_cli/virtual_views.h"
 #include "worker/rendering/source_views.h"
@@ -29,8 +30,8 @@ Status CheckOutput(const std::string& output) {
   if (fs::exists(folder, ignored) && !fs::is_directory(folder, ignored)) {
     return InvalidArgument("output folder " + output + " is a file");
   }
-  const bool ours = fs::exists(folder / "views.json", ignored) || fs::exists(folder / ".depthfarm-views-job", ignored);
-  if (fs::exists(folder / "views", ignored) && !ours) {
+  const bool ours = fs::exists(folder / kViewsManifestName, ignored) || fs::exists(folder / kViewsJobMarker, ignored);
+  if (fs::exists(folder / kViewsFolder, ignored) && !ours) {
     return InvalidArgument("output folder " + output +
                            " has a 'views' that no job of depthfarm made; choose another folder or remove it");
   }

@@ -8,6 +8,7 @@
 #include "common/base/parallel.h"
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
+#include "common/sequence/output_layout.h"
 
 namespace depthfarm {
 namespace {

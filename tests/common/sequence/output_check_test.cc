@@ -8,6 +8,7 @@
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
 #include "common/sequence/depth_manifest.h"
+#include "common/sequence/output_layout.h"
 #include "tests/support/temporary_folder.h"
 
 namespace depthfarm {
@@ -63,6 +64,17 @@ TEST_F(OutputCheckTest, NamesMissingAndChangedFiles) {
   EXPECT_FALSE(check.good());
   EXPECT_THAT(check.missing, ElementsAre("depth/cam0/0000.png"));
   EXPECT_THAT(check.changed, ElementsAre("depth/cam0/0001.png"));
+}
+
+TEST_F(OutputCheckTest, WhatIsThereAndCannotBeReadIsNotMissing) {
+  fs::remove(path("depth/cam0/0000.png"));
+  fs::create_directory(path("depth/cam0/0000.png"));
+  fs::remove(path("depth/cam0/0001.png"));
+  fs::create_symlink("nowhere", path("depth/cam0/0001.png"));
+  const OutputCheck check = Check();
+  EXPECT_FALSE(check.good());
+  EXPECT_THAT(check.unreadable, ElementsAre("depth/cam0/0000.png", "depth/cam0/0001.png"));
+  EXPECT_THAT(check.missing, IsEmpty());
 }
 
 TEST_F(OutputCheckTest, NamesFilesThatNoManifestNames) {
