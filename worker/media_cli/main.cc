@@ -313,14 +313,14 @@ constexpr std::array<Command, 4> kCommands = {{
     {"colour", "Turn depth maps into colour pictures to look at", AddColour},
 }};
 
+// Speaks of itself as depthfarm, the program that people call.
 int Run(int argc, char** argv) {
-  CLI::App app("Commands of depthfarm that work on pictures and depth maps.", "depthfarm-media");
+  CLI::App app("Commands of depthfarm that work on pictures and depth maps.", "depthfarm");
   app.set_version_flag("--version", DEPTHFARM_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 ok, 1 failed, 2 bad usage or bad input, 3 no coordinator, 130 interrupted. 'depthfarm-media "
-      "COMMAND --help' tells "
-      "more.");
+      "Exit codes: 0 ok, 1 failed, 2 bad usage or bad input, 3 no coordinator, 130 interrupted. 'depthfarm COMMAND "
+      "--help' tells more.");
   Action action;
   for (const Command& command : kCommands) command.add(app.add_subcommand(command.name, command.summary), &action);
   try {
@@ -332,7 +332,7 @@ int Run(int argc, char** argv) {
   const Status& status = outcome.status;
   if (status.ok()) return kExitOk;
   if (status.code() == depthfarm::ErrorCode::kCancelled) return kExitInterrupted;
-  std::cerr << "depthfarm-media: " << status.message() << "\n";
+  std::cerr << "depthfarm: " << status.message() << "\n";
   if (outcome.no_coordinator) return kExitNoCoordinator;
   return status.code() == depthfarm::ErrorCode::kInvalidArgument ? kExitBadUsage : kExitFailed;
 }
@@ -347,7 +347,7 @@ int main(int argc, char** argv) {
   try {
     return Run(argc, argv);
   } catch (const std::exception& error) {
-    std::cerr << "depthfarm-media: unexpected failure: " << error.what() << "\n";
+    std::cerr << "depthfarm: unexpected failure: " << error.what() << "\n";
     return kExitFailed;
   }
 }
