@@ -38,10 +38,11 @@ Result<std::string> Fetch::Run() {
   const std::size_t worth = assembly.num_pieces() / static_cast<std::size_t>(options_.chunks_of_location);
   max_sources_ = std::clamp(worth, std::size_t{1}, static_cast<std::size_t>(options_.max_locations));
   while (true) {
-    // An empty artifact, too, is somebody's word.
     if (candidates_.empty() && sources_.empty()) return failure_;
     DEPTHFARM_RETURN_IF_ERROR(Complete(assembly));
     if (assembly.Digest() == artifact_.content_digest) return std::move(assembly).Take();
+    // Nobody was asked, and nobody could send something else.
+    if (artifact_.stored_bytes == 0) return Corrupt("is empty, and its digest is not that of nothing");
     StartAnew(assembly);
   }
 }

@@ -128,6 +128,12 @@ TEST_F(TransferTest, FetchesArtifactsOfAnySize) {
   }
 }
 
+TEST_F(TransferTest, AnEmptyArtifactOfAnotherDigestIsRefusedAtOnce) {
+  const Result<std::string> fetched = Fetch({Key(1), 0, Sha256("something")}, {holder_.location()});
+  EXPECT_EQ(fetched.status().code(), ErrorCode::kCorrupt);
+  EXPECT_THAT(fetched.status().message(), HasSubstr("is empty"));
+}
+
 TEST_F(TransferTest, FetchesFullChunksOverCurve) {
   const CurveKeys keys = GenerateCurveKeys().value();
   TransportContext context;
