@@ -156,7 +156,7 @@ int main(int argc, char** argv) {
       ->delimiter(',');
   app.add_option("--threads", options.threads, "threads that compute a task; results are the same for any number")
       ->type_name("N")
-      ->check(CLI::Range(1, kMostThreads))
+      ->check(CLI::Range(1, kMostWorkerThreads))
       ->capture_default_str();
   app.add_option("--name", options.name, "name on the farm; default: host:process:random");
   app.add_option("--artifact-listen", options.artifact_listen,

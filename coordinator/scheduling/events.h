@@ -67,8 +67,8 @@ struct TaskFinished {
   WorkerId worker;
   LeaseId lease;
   TaskId task;
-  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge; its key is the output key
-  std::vector<OutputFile> files;                // Emit
+  std::optional<ArtifactInfo> artifact;         // of the kinds that make one (MakesArtifact); its key is the output key
+  std::vector<OutputFile> files;                // Emit, Render
   std::optional<ContentDigest> picture_digest;  // Analyse
   TaskStats stats;
 };

@@ -28,7 +28,8 @@ namespace depthfarm {
 //
 // A task is ready when its prerequisites are done and somebody holds their artifacts. A blocked task watches one
 // missing prerequisite and looks again when that one is done, so that the work per task does not grow with the number
-// of inputs that arrive. Estimate and Merge tasks whose artifact somebody holds already are done without running.
+// of inputs that arrive. Estimate, Merge, Refine and Assess tasks whose artifact somebody holds already are done
+// without running; what Analyse makes only the worker that reads the picture knows.
 class JobProgress {
  public:
   // `directory` must outlive the job. Prepare is ready from the start. `committed` frames are of the job, with as many

@@ -15,7 +15,7 @@ int DistanceFromInterval(Level alpha, Level a, Level b) {
   return alpha > high ? alpha - high : 0;
 }
 
-constexpr int kMostThreads = 64;
+constexpr int kMostBands = 64;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels
     : problem_(problem),
       labels_(labels),
       width_(static_cast<std::size_t>(std::max(problem.matches_per_node, 1))),
-      threads_(std::clamp(threads, 1, kMostThreads)),
+      threads_(std::clamp(threads, 1, kMostBands)),
       held_(problem.num_nodes * width_),
       moves_(problem.num_nodes, 0),
       gathered_(problem.num_nodes, 0),

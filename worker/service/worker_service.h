@@ -27,7 +27,7 @@
 
 namespace depthfarm {
 
-inline constexpr int kMostThreads = 256;  // of a worker
+inline constexpr int kMostWorkerThreads = 256;  // of a worker, for a task
 
 struct WorkerOptions {
   std::string coordinator;     // endpoint
@@ -43,7 +43,7 @@ struct WorkerOptions {
   std::string name;                                    // empty: host:pid:random
   std::string artifact_listen;                         // empty: DefaultArtifactEndpoint
   std::string advertise;                               // host name for peers; empty: this host's name, or as bound
-  int threads = 1;                                     // on which a task is computed, 1 to kMostThreads
+  int threads = 1;                                     // on which a task is computed, 1 to kMostWorkerThreads
   std::string software_version;
   bool exit_with_parent = false;        // leave when the process that started this one ends (after the start)
   std::optional<Milliseconds> give_up;  // leave after so long without the coordinator
