@@ -88,7 +88,7 @@ struct TaskSpec {
 // What a task used and found.
 struct TaskStats {
   double wall_seconds = 0;
-  double cpu_seconds = 0;               // user + system of the computing thread
+  double cpu_seconds = 0;               // user + system of the computing thread and its helpers
   std::uint64_t peak_memory_bytes = 0;  // of the process so far
   double fetch_seconds = 0;             // waiting for inputs
   std::uint64_t fetched_bytes = 0;      // from other workers

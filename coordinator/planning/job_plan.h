@@ -43,10 +43,11 @@ struct PlannedInput {
 //   Prepare -----------------------------------------.
 //   Analyse(f, v) -> Estimate(f, b) -> Merge(f, r, p) -> Refine(f, r, v) -> Emit(f) -> Commit(f) -> Manifest
 //        | `-> Estimate(f + 1, b), and those of the whole GOP if f is its I frame; so with Refine(f, last, v)
-//
+//        |
 //        `-> Analyse(f + 1, v), if that is a P frame
 //
-// Of P frames Refine has round 0 and the last ones (ResolvedJob::FirstRefineRound).
+// Where a job assesses, Refine(f, last, v) -> Assess(f, v) -> Emit(f) besides. Of P frames Refine has round 0 and the
+// last ones (ResolvedJob::FirstRefineRound).
 //
 // Of a rendering job: Prepare -> Render(f) -> Commit(f) -> Manifest, f a part.
 class JobPlan {
@@ -107,7 +108,7 @@ class JobPlan {
   std::vector<std::vector<MergePair>> rounds_p_;
 };
 
-// True for the kinds whose result is an artifact: Analyse, Estimate, Merge, Refine.
+// True for the kinds whose result is an artifact: Analyse, Estimate, Merge, Refine, Assess.
 [[nodiscard]] bool MakesArtifact(TaskKind kind);
 
 // True for the kinds that write into a staging folder: Emit, Render.

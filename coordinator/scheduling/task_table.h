@@ -25,7 +25,7 @@ struct Task {
   LeaseId lease;                            // of a leased task
   std::string staging;                      // of a leased Emit: the folder it writes into
   std::optional<ArtifactKey> work;          // JobProgress::WorkOf, of a task that became ready
-  std::optional<ArtifactKey> expected_key;  // of a leased Estimate, Merge or Refine
+  std::optional<ArtifactKey> expected_key;  // of a leased Estimate, Merge, Refine or Assess
   std::set<WorkerId> failed_on;
   std::vector<TaskId> watchers;          // blocked tasks that look again when this one is done
   std::optional<ArtifactInfo> artifact;  // what it made last; names what to look for in the directory

@@ -24,7 +24,7 @@ namespace depthfarm {
 struct TaskOutcome {
   Status status;
   std::optional<ArtifactKey> output_key;        // Analyse: the name it found
-  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge, Refine; in the store
+  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge, Refine, Assess; in the store
   std::vector<OutputFile> files;                // Emit, Render: written into the staging folder
   std::optional<ContentDigest> picture_digest;  // Analyse
   std::vector<ArtifactKey> missing_inputs;      // inputs that could be had nowhere (kUnavailable)
@@ -34,8 +34,8 @@ struct TaskOutcome {
 };
 
 // Executes tasks of every kind, one at a time: inputs from memory, store or other workers, results into the store or
-// the job's output folder. What they cost is measured for the thread that calls Execute; where it has helpers, for the
-// process: with what serving other workers costs meanwhile. Not thread-safe.
+// the job's output folder. CPU is that of the thread that calls Execute and of those that help it in its loops; peak
+// memory is that of the process so far. Not thread-safe.
 class TaskExecutor {
  public:
   // All must outlive the executor. `threads`, >= 1: on how many a task is computed; results are the same for any.
