@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 // Of the tasks that make an artifact, how many ran although it was there.
@@ -92,6 +93,16 @@ TEST(Commands, AJobThatRequiresTagsWaitsForAWorkerThatHasThem) {
   for (const auto& worker : workers) EXPECT_EQ(worker["tasksDone"] == 0, worker["name"] == "plain");
   EXPECT_EQ(Depthfarm(Words{"submit", sequence, "-o", folder / "out", "--require", "a b"} + farm.Options()).exit_code,
             2);
+}
+
+TEST(Commands, ThoseOfPixelsSpeakOfTheProgramThatWasCalled) {
+  const TemporaryFolder folder;
+  const Outcome help = Depthfarm({"colour", "--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_THAT(help.output, AllOf(HasSubstr("depthfarm colour"), Not(HasSubstr("depthfarm-media"))));
+  const Outcome failed = Depthfarm({"colour", folder / "nowhere", "-o", folder / "pictures"});
+  EXPECT_EQ(failed.exit_code, 2);
+  EXPECT_THAT(failed.output, AllOf(HasSubstr("depthfarm: "), Not(HasSubstr("depthfarm-media"))));
 }
 
 TEST(Commands, VerifyFindsWhatIsNotAsTheJobLeftIt) {
