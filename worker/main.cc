@@ -10,6 +10,8 @@
 #include <iostream>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/log/log.h"
 #include "common/wire/bounds.h"
@@ -129,6 +131,7 @@ int main(int argc, char** argv) {
   options.software_version = DEPTHFARM_VERSION;
   std::string keys;
   std::string cache_dir;
+  std::vector<std::string> path_map;
   std::string log_level = "info";
   double give_up_seconds = 0;
   app.add_option("--coordinator", options.coordinator, "tcp://HOST:PORT or ipc://PATH of the coordinator")->required();
@@ -152,6 +155,11 @@ int main(int argc, char** argv) {
          "memory for tasks: a task whose predicted need does not fit beside the others goes elsewhere or waits; "
          "default: that of the machine or its control group, less --memory, which is right for one worker on a host")
       ->transform(CLI::AsSizeValue(false));
+  app.add_option("--path-map", path_map,
+                 "what jobs name below FROM is below TO on this host, e.g. /shared=/mnt/nas; may be repeated: the "
+                 "longest FROM counts")
+      ->type_name("FROM=TO")
+      ->allow_extra_args(false);
   app.add_option("--tags", options.tags, "what this worker has, for jobs submitted with --require, e.g. fast,room2")
       ->delimiter(',');
   app.add_option("--threads", options.threads, "threads that compute a task; results are the same for any number")
@@ -173,6 +181,9 @@ int main(int argc, char** argv) {
   }
   const Result<std::set<std::string>> tags = CheckTags("--tags", options.tags);
   if (!tags.ok()) return Fail(tags.status(), kExitBadUsage);
+  Result<PathMap> paths = PathMap::Parse(path_map);
+  if (!paths.ok()) return Fail(paths.status(), kExitBadUsage);
+  options.paths = std::move(*paths);
   options.keys = keys;
   options.cache_dir = cache_dir;
   if (give_up_seconds > 0) options.give_up = Milliseconds(static_cast<std::int64_t>(give_up_seconds * 1000));

@@ -14,6 +14,7 @@
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
 #include "worker/service/addresses.h"
+#include "worker/service/local_paths.h"
 
 namespace depthfarm {
 namespace {
@@ -78,7 +79,9 @@ Status WorkerService::Open() {
   compute_ = std::make_unique<ComputePool>(
       options_.slots,
       [this](int slot, const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
-        return executors_[static_cast<std::size_t>(slot)]->Execute(spec, config, stop);
+        TaskOutcome outcome = executors_[static_cast<std::size_t>(slot)]->Execute(spec, config, stop);
+        outcome.status = options_.paths.Explain(outcome.status);
+        return outcome;
       },
       [this](const TaskSpec& spec, const std::stop_token& stop, const std::stop_token& enough) {
         return FetchAhead(*store_, *fetchers_.back(), spec, stop, enough);
@@ -235,11 +238,11 @@ void WorkerService::OnGrant(const v1::GrantTask& grant) {
     if (!config.ok()) return refuse(config.status().WithContext("job of the granted task"));
     if (config->job != spec->id.job)
       return refuse(InvalidArgument("the granted task is not of the job that came along"));
-    jobs_[config->job] = std::make_shared<const JobConfig>(std::move(*config));
+    jobs_[config->job] = std::make_shared<const JobConfig>(WithLocalPaths(std::move(*config), options_.paths));
   }
   const auto job = jobs_.find(spec->id.job);
   if (job == jobs_.end()) return refuse(Unavailable("this worker was never told of the job"));
-  granted_ = LeasedTask{lease, std::move(*spec), job->second};
+  granted_ = LeasedTask{lease, WithLocalPaths(std::move(*spec), options_.paths), job->second};
   Handle(event::Granted{lease, grant.ask_id()});
   granted_.reset();
 }
