@@ -69,15 +69,32 @@ struct GuideFiles {
   bool operator==(const GuideFiles&) const = default;
 };
 
+// What a file holds.
+struct FileDigest {
+  ContentDigest sha256{};
+  std::uint64_t bytes = 0;
+  bool operator==(const FileDigest&) const = default;
+};
+
+// A frame of a job that keeps its results: its files are in one artifact (file_bundle.h).
+struct FrameResult {
+  int frame = 0;  // of the job
+  ArtifactInfo bundle;
+  std::vector<ArtifactLocation> locations;     // of the bundle; none: it is lost
+  std::vector<FileDigest> files;               // that the bundle holds: those that FilesOfFrame names
+  std::vector<ContentDigest> picture_digests;  // of the picture of each view
+  bool operator==(const FrameResult&) const = default;
+};
+
 // All that a worker needs for a task besides its JobConfig.
 struct TaskSpec {
   TaskId id;
-  std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine, Assess
+  std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine, Assess; Emit of a job that keeps its results
   std::vector<TaskInput> inputs;
   std::optional<TaskInput> known;  // Analyse: what such a task made when it was done before; may be out of date
   std::string picture;             // Analyse: absolute path
   GuideFiles guides;               // Analyse
-  std::string staging;             // Emit, Render, Commit: folder below DIR/.depthfarm-staging
+  std::string staging;             // Emit, Render, Commit: folder below DIR/.depthfarm-staging; not with an output key
   // Commit: of the frame; Manifest: of all frames, by frame, then view; Prepare: those that must be there already.
   std::vector<OutputFile> files;
   std::vector<ContentDigest> picture_digests;  // Manifest: of each picture, by frame, then view
@@ -106,7 +123,8 @@ struct JobConfig {
   JobId job;
   std::uint32_t algorithm_version = kAlgorithmVersion;
   ResolvedJob resolved;
-  std::string output_dir;  // absolute, as the submitter sees it
+  std::string output_dir;      // absolute, as the submitter sees it; empty for a job that keeps its results
+  bool keeps_results = false;  // each frame's files stay one artifact of its Emit, for whoever fetches them
   std::string sequence_name;
   std::string sequence_file;
   std::optional<RenderSource> render;  // set: a rendering job

@@ -127,10 +127,7 @@ Result<WorkerKeys> ReadWorkerKeys(const std::filesystem::path& dir) {
   DEPTHFARM_ASSIGN_OR_RETURN(keys.coordinator_public_key, ReadPublicKey(dir / "coordinator.pub"));
   std::error_code error;
   if (std::filesystem::exists(dir / "authorized", error)) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const AllowedKeys all, ReadAuthorized(dir / "authorized"));
-    for (const auto& [key, user] : all) {
-      if (RoleOfUser(user).value() == Role::kWork) keys.allowed_peers.emplace(key, user);
-    }
+    DEPTHFARM_ASSIGN_OR_RETURN(keys.allowed_peers, ReadAuthorized(dir / "authorized"));
   } else {
     keys.allowed_peers.emplace(keys.own.public_key, "work:self");
   }

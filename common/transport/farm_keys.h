@@ -38,8 +38,8 @@ struct CoordinatorKeys {
 };
 [[nodiscard]] Result<CoordinatorKeys> ReadCoordinatorKeys(const std::filesystem::path& dir);
 
-// What a worker needs of DIR: its pair, the coordinator's public key, and the keys of workers that may fetch from it
-// (those of role work in DIR/authorized; its own key alone where the file is missing).
+// What a worker needs of DIR: its pair, the coordinator's public key, and the keys that may fetch from it: all of
+// DIR/authorized, since workers fetch inputs and submitters results; its own key alone where the file is missing.
 struct WorkerKeys {
   CurveKeys own;
   std::string coordinator_public_key;

@@ -214,6 +214,7 @@ v1::JobConfig ToProto(const JobConfig& config) {
   proto.set_algorithm_version(config.algorithm_version);
   proto.set_num_frames(static_cast<std::uint32_t>(job.num_frames));
   proto.set_output_dir(config.output_dir);
+  proto.set_keeps_results(config.keeps_results);
   proto.set_sequence_name(config.sequence_name);
   proto.set_sequence_file(config.sequence_file);
   if (config.render) {
@@ -254,7 +255,12 @@ Result<JobConfig> FromProto(const v1::JobConfig& proto) {
   } else {
     DEPTHFARM_ASSIGN_OR_RETURN(config.resolved, ResolvedFromProto(proto));
   }
-  DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("output folder", proto.output_dir()));
+  config.keeps_results = proto.keeps_results();
+  if (!config.keeps_results) {
+    DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("output folder", proto.output_dir()));
+  } else if (!proto.output_dir().empty() || config.render) {
+    return InvalidArgument("a job that keeps its results has no output folder and estimates depth");
+  }
   config.output_dir = proto.output_dir();
   DEPTHFARM_RETURN_IF_ERROR(CheckText("sequence name", proto.sequence_name(), kMaxNameBytes));
   config.sequence_name = proto.sequence_name();

@@ -76,11 +76,7 @@ v1::ArtifactInput InputToProto(const TaskInput& input) {
   proto.set_content_digest(DigestBytes(input.artifact.content_digest));
   proto.set_role(RoleToProto(input.role));
   proto.set_view(static_cast<std::uint32_t>(input.view));
-  for (const ArtifactLocation& location : input.locations) {
-    v1::ArtifactLocation* added = proto.add_locations();
-    added->set_endpoint(location.endpoint);
-    added->set_public_key(location.public_key);
-  }
+  for (const ArtifactLocation& location : input.locations) *proto.add_locations() = ToProto(location);
   return proto;
 }
 
@@ -97,13 +93,8 @@ Result<TaskInput> InputFromProto(const v1::ArtifactInput& proto) {
   DEPTHFARM_ASSIGN_OR_RETURN(input.view, BoundedInt("input view", proto.view(), kMaxViews - 1));
   DEPTHFARM_RETURN_IF_ERROR(CheckCount("input locations", proto.locations_size(), kMaxLocations));
   for (const v1::ArtifactLocation& location : proto.locations()) {
-    DEPTHFARM_RETURN_IF_ERROR(CheckText("artifact endpoint", location.endpoint(), kMaxEndpointBytes));
-    if (location.endpoint().empty()) return InvalidArgument("artifact endpoint is empty");
-    if (!location.public_key().empty() && location.public_key().size() != kKeyCharacters) {
-      return InvalidArgument("artifact server's key has " + std::to_string(location.public_key().size()) +
-                             " characters, expected 40 or none");
-    }
-    input.locations.push_back({location.endpoint(), location.public_key()});
+    DEPTHFARM_ASSIGN_OR_RETURN(ArtifactLocation parsed, FromProto(location));
+    input.locations.push_back(std::move(parsed));
   }
   return input;
 }
@@ -230,6 +221,23 @@ Result<ArtifactInfo> FromProto(const v1::ArtifactInfo& proto) {
   return artifact;
 }
 
+v1::ArtifactLocation ToProto(const ArtifactLocation& location) {
+  v1::ArtifactLocation proto;
+  proto.set_endpoint(location.endpoint);
+  proto.set_public_key(location.public_key);
+  return proto;
+}
+
+Result<ArtifactLocation> FromProto(const v1::ArtifactLocation& proto) {
+  DEPTHFARM_RETURN_IF_ERROR(CheckText("artifact endpoint", proto.endpoint(), kMaxEndpointBytes));
+  if (proto.endpoint().empty()) return InvalidArgument("artifact endpoint is empty");
+  if (!proto.public_key().empty() && proto.public_key().size() != kKeyCharacters) {
+    return InvalidArgument("artifact server's key has " + std::to_string(proto.public_key().size()) +
+                           " characters, expected 40 or none");
+  }
+  return ArtifactLocation{proto.endpoint(), proto.public_key()};
+}
+
 v1::OutputFile ToProto(const OutputFile& file) {
   v1::OutputFile proto;
   proto.set_path(file.path);
@@ -318,8 +326,9 @@ Status ReadFilesOfAnalyse(const v1::TaskSpec& proto, TaskSpec& spec) {
 Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
   TaskSpec spec;
   DEPTHFARM_ASSIGN_OR_RETURN(spec.id, FromProto(proto.id()));
+  const bool keeps = spec.id.kind == TaskKind::kEmit && proto.staging().empty();
   const bool has_key = spec.id.kind == TaskKind::kEstimate || spec.id.kind == TaskKind::kMerge ||
-                       spec.id.kind == TaskKind::kRefine || spec.id.kind == TaskKind::kAssess;
+                       spec.id.kind == TaskKind::kRefine || spec.id.kind == TaskKind::kAssess || keeps;
   if (has_key != !proto.output_key().empty()) {
     return InvalidArgument(TaskName(spec.id) + (has_key ? " has no output key" : " has an output key, expected none"));
   }
@@ -328,8 +337,8 @@ Result<TaskSpec> FromProto(const v1::TaskSpec& proto) {
   }
   DEPTHFARM_RETURN_IF_ERROR(ReadLists(proto, spec));
   if (spec.id.kind == TaskKind::kAnalyse) DEPTHFARM_RETURN_IF_ERROR(ReadFilesOfAnalyse(proto, spec));
-  const bool stages =
-      spec.id.kind == TaskKind::kEmit || spec.id.kind == TaskKind::kRender || spec.id.kind == TaskKind::kCommit;
+  const bool stages = (spec.id.kind == TaskKind::kEmit && !keeps) || spec.id.kind == TaskKind::kRender ||
+                      spec.id.kind == TaskKind::kCommit;
   if (stages) DEPTHFARM_RETURN_IF_ERROR(CheckFileName("staging folder", proto.staging()));
   spec.staging = stages ? proto.staging() : "";
   return spec;

@@ -11,6 +11,7 @@ namespace depthfarm {
 [[nodiscard]] v1::TaskKind ToProto(TaskKind kind);
 [[nodiscard]] v1::TaskId ToProto(const TaskId& id);
 [[nodiscard]] v1::ArtifactInfo ToProto(const ArtifactInfo& artifact);
+[[nodiscard]] v1::ArtifactLocation ToProto(const ArtifactLocation& location);
 [[nodiscard]] v1::OutputFile ToProto(const OutputFile& file);
 [[nodiscard]] v1::TaskStats ToProto(const TaskStats& stats);
 [[nodiscard]] v1::TaskSpec ToProto(const TaskSpec& spec);
@@ -19,6 +20,7 @@ namespace depthfarm {
 [[nodiscard]] Result<TaskKind> FromProto(v1::TaskKind kind);
 [[nodiscard]] Result<TaskId> FromProto(const v1::TaskId& id);
 [[nodiscard]] Result<ArtifactInfo> FromProto(const v1::ArtifactInfo& artifact);
+[[nodiscard]] Result<ArtifactLocation> FromProto(const v1::ArtifactLocation& location);
 // The path is "<camera>/<file>.png": two legal names, nothing that leaves the folder.
 [[nodiscard]] Result<OutputFile> FromProto(const v1::OutputFile& file);
 // Numbers that are not finite or negative become 0: statistics never fail a task.

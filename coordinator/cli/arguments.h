@@ -92,6 +92,13 @@ struct DrainArguments {
   FarmArguments farm;
   std::string worker;
 };
+struct FetchArguments {
+  FarmArguments farm;
+  std::uint64_t job = 0;
+  std::string output_dir;
+  bool wait = false;
+  bool json = false;
+};
 struct VerifyArguments {
   std::string directory;
   bool json = false;
@@ -100,9 +107,10 @@ struct KeygenArguments {
   std::string output_dir;
 };
 
-using CommandArguments = std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments,
-                                      StatusArguments, WatchArguments, JobsArguments, CancelArguments, RetryArguments,
-                                      WorkersArguments, DrainArguments, VerifyArguments, KeygenArguments>;
+using CommandArguments =
+    std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments, StatusArguments,
+                 WatchArguments, JobsArguments, CancelArguments, RetryArguments, WorkersArguments, DrainArguments,
+                 FetchArguments, VerifyArguments, KeygenArguments>;
 
 }  // namespace depthfarm
 

@@ -60,12 +60,13 @@ void AddSequence(CLI::App& app, JobArguments& job) {
   app.add_flag("--allow-outside", job.allow_outside, "Accept picture paths that leave the folder of SEQUENCE");
 }
 
-void AddJobOptions(CLI::App& app, JobArguments& job) {
+CLI::Option* AddJobOptions(CLI::App& app, JobArguments& job) {
   AddSequence(app, job);
-  app.add_option("-o,--output", job.output_dir, "Output folder: DIR/depth/CAMERA/FRAME.png, DIR/depth.json")
-      ->required()
-      ->type_name("DIR");
+  CLI::Option* output =
+      app.add_option("-o,--output", job.output_dir, "Output folder: DIR/depth/CAMERA/FRAME.png, DIR/depth.json")
+          ->type_name("DIR");
   AddEstimationOptions(app, job.estimation);
+  return output;
 }
 
 void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }
@@ -99,7 +100,7 @@ void DefineDemo(CLI::App& app, CommandArguments& storage) {
 
 void DefineRun(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<RunArguments>();
-  AddJobOptions(app, arguments.job);
+  AddJobOptions(app, arguments.job)->required();
   const char* group = "Local farm";
   app.add_option("--workers", arguments.farm.workers, "Worker processes; default: one per core")
       ->type_name("N")
@@ -200,7 +201,9 @@ void DefineBench(CLI::App& app, CommandArguments& storage) {
 
 void DefineSubmit(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<SubmitArguments>();
-  AddJobOptions(app, arguments.job);
+  AddJobOptions(app, arguments.job)
+      ->description(
+          "Output folder that workers see and write; without it depth stays on the workers for depthfarm fetch");
   AddFarmOptions(app, arguments.farm);
   app.add_option("--priority", arguments.priority, "Jobs of higher priority go first")
       ->type_name("P")
@@ -214,8 +217,13 @@ void DefineSubmit(CLI::App& app, CommandArguments& storage) {
   app.add_flag("--wait", arguments.wait, "Wait for the end of the job, showing progress");
   AddJsonFlag(app, arguments.json);
   app.footer(
-      "Prints the number of the job. Pictures and DIR are paths that every worker must see under the same name.\n"
-      "Example: depthfarm submit array.json -o /shared/out --coordinator tcp://head:7700 --keys ~/farm-keys");
+      "Prints the number of the job. Pictures and DIR are paths that every worker must see, under the same name or as "
+      "its\n"
+      "--path-map says. Without -o the depth files stay in the caches of the workers until depthfarm fetch copies "
+      "them.\n"
+      "Examples:\n"
+      "  depthfarm submit array.json -o /shared/out --coordinator tcp://head:7700 --keys ~/farm-keys\n"
+      "  depthfarm submit /shared/array.json; depthfarm fetch 1 -o out --wait");
 }
 
 void DefineStatus(CLI::App& app, CommandArguments& storage) {
@@ -283,6 +291,28 @@ void DefineDrain(CLI::App& app, CommandArguments& storage) {
       "Example: depthfarm drain render07:4711-93");
 }
 
+void DefineFetch(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<FetchArguments>();
+  AddJobId(app, arguments.job);
+  app.add_option("-o,--output", arguments.output_dir,
+                 "Folder of this machine: DIR/depth/CAMERA/FRAME.png, DIR/depth.json")
+      ->required()
+      ->type_name("DIR");
+  AddFarmOptions(app, arguments.farm);
+  app.add_flag("--wait", arguments.wait, "Stay until the job has ended, fetching frames as they are done");
+  AddJsonFlag(app, arguments.json);
+  app.footer(
+      "Copies the depth of a job that was submitted without an output folder from the workers, and checks every "
+      "digest.\n"
+      "DIR is in the end what submit -o would have written. Files that are there and right are not fetched again, so "
+      "a\n"
+      "fetch that was interrupted, or of a job that still runs, is gone on with by the same command. Exit code 0: all "
+      "is\n"
+      "here; 1: frames are not done yet, or are lost. Workers keep results until 1000 later jobs have ended or their\n"
+      "caches are full.\n"
+      "Example: depthfarm fetch 3 -o out");
+}
+
 void DefineVerify(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<VerifyArguments>();
   app.add_option("DIR", arguments.directory, "Output folder of a job")->required()->type_name("");
@@ -325,6 +355,7 @@ constexpr auto kCommands = std::to_array<Command>({
     {"retry", "Let a job go on that failed or was cancelled", DefineRetry},
     {"workers", "Workers of a farm", DefineWorkers},
     {"drain", "End a worker when it is done with its tasks", DefineDrain},
+    {"fetch", "Copy a job's depth from the farm when it was submitted without an output folder", DefineFetch},
     {"verify", "Check an output folder against its digests", DefineVerify},
     {"keygen", "Make the keys of a farm", DefineKeygen},
 });

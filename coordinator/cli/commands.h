@@ -19,6 +19,7 @@ namespace depthfarm {
 [[nodiscard]] int Execute(const RetryArguments& arguments);
 [[nodiscard]] int Execute(const WorkersArguments& arguments);
 [[nodiscard]] int Execute(const DrainArguments& arguments);
+[[nodiscard]] int Execute(const FetchArguments& arguments);
 [[nodiscard]] int Execute(const VerifyArguments& arguments);
 [[nodiscard]] int Execute(const KeygenArguments& arguments);
 

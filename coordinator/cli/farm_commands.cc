@@ -49,7 +49,8 @@ int FailAsking(const Status& status) {
 
 int Execute(const SubmitArguments& arguments) {
   CatchInterruptions();
-  Result<JobRequest> request = PrepareJobRequest(arguments.job);
+  Result<JobRequest> request =
+      arguments.job.output_dir.empty() ? ReadJobRequest(arguments.job) : PrepareJobRequest(arguments.job);
   if (!request.ok()) return Fail(request.status());
   const Result<std::unique_ptr<Client>> client = ConnectTo(arguments.farm);
   if (!client.ok()) return FailAsking(client.status());

@@ -113,6 +113,7 @@ Result<JobRequest> ReadJobRequest(const JobArguments& arguments) {
 
 Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {
   DEPTHFARM_ASSIGN_OR_RETURN(JobRequest request, ReadJobRequest(arguments));
+  if (arguments.output_dir.empty()) return InvalidArgument("output folder '': is none");
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(arguments.output_dir, error);
   if (error) return InvalidArgument("output folder " + arguments.output_dir + ": " + error.message());

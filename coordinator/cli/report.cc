@@ -57,6 +57,11 @@ std::vector<std::string> Words(const google::protobuf::RepeatedPtrField<std::str
   return {words.begin(), words.end()};
 }
 
+std::string OutputText(const v1::JobStatus& job) {
+  if (!job.keeps_results()) return job.output_dir();
+  return "on the workers; depthfarm fetch " + std::to_string(job.job_id()) + " -o DIR";
+}
+
 // What was there already, of the tasks that make an artifact; nothing if nothing was.
 std::string ReusedText(const v1::JobStatus& job) {
   std::uint64_t reused = 0;
@@ -134,6 +139,7 @@ OrderedJson JobToJson(const v1::JobStatus& job) {
           {"determinismViolations", job.determinism_violations()},
           {"summary", job.summary()},
           {"outputDir", job.output_dir()},
+          {"keepsResults", job.keeps_results()},
           {"requiredTags", Words(job.required_tags())},
           {"lacksWorker", job.lacks_worker()},
           {"running", Words(job.running())},
@@ -160,7 +166,7 @@ std::string FormatJob(const v1::JobStatus& job) {
   text += ", " + FormatProgress(job) + "\n";
   if (job.has_error() && job.error().code() != v1::CODE_OK) text += "  reason: " + job.error().message() + "\n";
   if (!job.summary().empty()) text += "  " + job.summary() + "\n";
-  text += "  output: " + job.output_dir() + "\n";
+  text += "  output: " + OutputText(job) + "\n";
   text += ReusedText(job);
   if (job.retries() > 0) text += "  retries: " + std::to_string(job.retries()) + "\n";
   if (job.determinism_violations() > 0) {
@@ -192,7 +198,7 @@ std::string FormatJobs(const std::vector<v1::JobStatus>& jobs) {
   for (const v1::JobStatus& job : jobs) {
     rows.push_back({std::to_string(job.job_id()), JobStateName(job.state()), FramesText(job),
                     FormatDuration(job.elapsed_seconds()), std::to_string(job.priority()), job.name(),
-                    job.output_dir()});
+                    job.keeps_results() ? "on the workers" : job.output_dir()});
   }
   return FormatTable(rows, {true, false, true, true, true, false, false});
 }

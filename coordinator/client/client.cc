@@ -87,6 +87,7 @@ Result<std::uint64_t> Client::Submit(const JobSubmission& submission) {
     *submit.mutable_params() = ToProto(submission.params);
   }
   submit.set_output_dir(submission.output_dir);
+  submit.set_keeps_results(submission.output_dir.empty());
   submit.set_name(submission.name);
   submit.set_priority(submission.priority);
   for (const std::string& tag : submission.required_tags) submit.add_required_tags(tag);
@@ -99,6 +100,14 @@ Result<v1::JobStatus> Client::GetStatus(std::uint64_t job_id) {
   question.mutable_get_job_status()->set_job_id(job_id);
   DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobStatus));
   return std::move(*answer.mutable_job_status());
+}
+
+Result<v1::Results> Client::GetResults(std::uint64_t job_id, std::uint32_t first_frame) {
+  v1::Envelope question;
+  question.mutable_get_results()->set_job_id(job_id);
+  question.mutable_get_results()->set_first_frame(first_frame);
+  DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, Ask(std::move(question), v1::Envelope::kResults));
+  return std::move(*answer.mutable_results());
 }
 
 Result<std::vector<v1::JobStatus>> Client::ListJobs() {

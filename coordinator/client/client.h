@@ -38,7 +38,7 @@ struct RenderSubmission {
 };
 
 // A job as it is handed in. output_dir, the sequence's file and its pictures are absolute paths as every worker sees
-// them.
+// them. Without output_dir the job keeps its results on the workers.
 struct JobSubmission {
   Sequence sequence;
   EstimationParams params;
@@ -65,6 +65,8 @@ class Client {
 
   [[nodiscard]] Result<std::uint64_t> Submit(const JobSubmission& submission);
   [[nodiscard]] Result<v1::JobStatus> GetStatus(std::uint64_t job_id);
+  // What is done of a job that keeps its results, from a frame on; several questions may be needed.
+  [[nodiscard]] Result<v1::Results> GetResults(std::uint64_t job_id, std::uint32_t first_frame);
   [[nodiscard]] Result<std::vector<v1::JobStatus>> ListJobs();
   [[nodiscard]] Status Cancel(std::uint64_t job_id);
   // Of a job that failed or was cancelled.

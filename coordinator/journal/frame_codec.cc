@@ -25,12 +25,18 @@ ContentDigest ReadDigest(std::string_view bytes, std::size_t offset) {
 std::string EncodeFrame(const CommittedFrame& frame) {
   std::string bytes;
   AppendU32(static_cast<std::uint32_t>(frame.files.size()), bytes);
-  for (const CommittedFrame::File& file : frame.files) {
+  for (const FileDigest& file : frame.files) {
     AppendDigest(file.sha256, bytes);
     AppendU64(file.bytes, bytes);
   }
   AppendU32(static_cast<std::uint32_t>(frame.picture_digests.size()), bytes);
   for (const ContentDigest& digest : frame.picture_digests) AppendDigest(digest, bytes);
+  AppendU32(frame.bundle ? 1 : 0, bytes);
+  if (frame.bundle) {
+    AppendDigest(frame.bundle->key, bytes);
+    AppendU64(frame.bundle->stored_bytes, bytes);
+    AppendDigest(frame.bundle->content_digest, bytes);
+  }
   return bytes;
 }
 
@@ -52,6 +58,13 @@ Result<CommittedFrame> DecodeFrame(std::string_view bytes) {
   if (pictures == SIZE_MAX) return damaged;
   for (std::size_t i = 0; i < pictures; ++i, offset += kDigestBytes)
     frame.picture_digests.push_back(ReadDigest(bytes, offset));
+  const std::size_t bundles = read_count(kFileBytes + kDigestBytes);
+  if (bundles > 1) return damaged;
+  if (bundles == 1) {
+    frame.bundle = ArtifactInfo{ReadDigest(bytes, offset), ReadU64(bytes, offset + kDigestBytes),
+                                ReadDigest(bytes, offset + kFileBytes)};
+    offset += kFileBytes + kDigestBytes;
+  }
   if (offset != bytes.size()) return damaged;
   return frame;
 }

@@ -9,8 +9,8 @@
 
 namespace depthfarm {
 
-// Version 1, little-endian: u32 files, then 32 bytes of SHA-256 and u64 bytes of each; u32 pictures, then 32 bytes
-// each.
+// Little-endian: u32 files, then 32 bytes of SHA-256 and u64 bytes of each; u32 pictures, then 32 bytes each; u32
+// bundles, 0 or 1, then 32 bytes of key, u64 bytes and 32 bytes of SHA-256.
 [[nodiscard]] std::string EncodeFrame(const CommittedFrame& frame);
 // kCorrupt for anything that EncodeFrame did not write.
 [[nodiscard]] Result<CommittedFrame> DecodeFrame(std::string_view bytes);

@@ -13,7 +13,8 @@ constexpr std::int64_t kSchemaVersion = 1;
 
 constexpr const char* kSchema = R"(
 CREATE TABLE jobs (id INTEGER PRIMARY KEY, algorithm_version INTEGER NOT NULL, output_dir TEXT NOT NULL,
-                   submission BLOB NOT NULL, state INTEGER NOT NULL, status BLOB NOT NULL, ended INTEGER NOT NULL);
+                   submission BLOB NOT NULL, state INTEGER NOT NULL, status BLOB NOT NULL, ended INTEGER NOT NULL,
+                   wanted INTEGER NOT NULL);
 CREATE INDEX jobs_of_folder ON jobs (output_dir);
 CREATE TABLE frames (job INTEGER NOT NULL, frame INTEGER NOT NULL, committed BLOB NOT NULL,
                      PRIMARY KEY (job, frame)) WITHOUT ROWID;
@@ -93,7 +94,7 @@ Status Journal::Admit(const JournaledJob& job) {
   const Synced synced(*database_);
   DEPTHFARM_RETURN_IF_ERROR(synced.status());
   DEPTHFARM_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*database_));
-  DEPTHFARM_RETURN_IF_ERROR(database_->Prepare("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?, ?, x'', 0)")
+  DEPTHFARM_RETURN_IF_ERROR(database_->Prepare("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?, ?, x'', 0, 1)")
                                 .Bind(Number(job.id))
                                 .Bind(job.algorithm_version)
                                 .BindText(job.output_dir)
@@ -112,17 +113,18 @@ Status Journal::Commit(JobId job, int frame, const CommittedFrame& committed) {
       .Run();
 }
 
-Status Journal::End(JobId job, JobState state, const std::string& status) {
+Status Journal::End(JobId job, JobState state, const std::string& status, bool keeps_results) {
   const Synced synced(*database_);
   DEPTHFARM_RETURN_IF_ERROR(synced.status());
   DEPTHFARM_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*database_));
-  DEPTHFARM_RETURN_IF_ERROR(
-      database_
-          ->Prepare("UPDATE jobs SET state = ?, status = ?, ended = (SELECT 1 + max(ended) FROM jobs) WHERE id = ?")
-          .Bind(static_cast<std::int64_t>(state))
-          .BindBlob(status)
-          .Bind(Number(job))
-          .Run());
+  DEPTHFARM_RETURN_IF_ERROR(database_
+                                ->Prepare("UPDATE jobs SET state = ?, status = ?, wanted = ?, ended = (SELECT 1 + "
+                                          "max(ended) FROM jobs) WHERE id = ?")
+                                .Bind(static_cast<std::int64_t>(state))
+                                .BindBlob(status)
+                                .Bind(state != JobState::kDone || keeps_results ? 1 : 0)
+                                .Bind(Number(job))
+                                .Run());
   DEPTHFARM_RETURN_IF_ERROR(Trim());
   return transaction.Commit();
 }
@@ -134,14 +136,13 @@ Status Journal::Trim() {
                                           "ended > 0 ORDER BY ended DESC LIMIT 1 OFFSET ?)")
                                 .Bind(static_cast<std::int64_t>(options_.kept_jobs))
                                 .Run());
-  DEPTHFARM_RETURN_IF_ERROR(database_
-                                ->Prepare("UPDATE jobs SET submission = x'' WHERE ended > 0 AND submission <> x'' AND "
-                                          "(state = ? OR ended <= (SELECT ended FROM jobs WHERE ended > 0 AND "
-                                          "state <> ? ORDER BY ended DESC LIMIT 1 OFFSET ?))")
-                                .Bind(static_cast<std::int64_t>(JobState::kDone))
-                                .Bind(static_cast<std::int64_t>(JobState::kDone))
-                                .Bind(static_cast<std::int64_t>(options_.kept_submissions))
-                                .Run());
+  DEPTHFARM_RETURN_IF_ERROR(
+      database_
+          ->Prepare("UPDATE jobs SET submission = x'' WHERE ended > 0 AND submission <> x'' AND "
+                    "(wanted = 0 OR ended <= (SELECT ended FROM jobs WHERE ended > 0 AND wanted = "
+                    "1 ORDER BY ended DESC LIMIT 1 OFFSET ?))")
+          .Bind(static_cast<std::int64_t>(options_.kept_submissions))
+          .Run());
   return database_
       ->Prepare("DELETE FROM frames WHERE job NOT IN (SELECT id FROM jobs WHERE ended = 0 OR submission <> x'')")
       .Run();

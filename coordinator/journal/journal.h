@@ -21,14 +21,16 @@ struct JournaledJob {
   JobId id;
   std::uint32_t algorithm_version = 0;  // that made its frames
   std::string output_dir;
-  std::string submission;  // empty once it is done, or forgotten (JournalOptions::kept_submissions)
+  std::string submission;  // empty once it is done with, or forgotten (JournalOptions::kept_submissions)
   JobState state = JobState::kRunning;
   std::string status;  // of a job that ended
 };
 
 struct JournalOptions {
-  std::size_t kept_jobs = 1000;        // that ended, newest first
-  std::size_t kept_submissions = 100;  // of jobs that failed or were cancelled, so that they can go on
+  std::size_t kept_jobs = 1000;  // that ended, newest first
+  // Of jobs that ended and may be asked for more: failed or cancelled ones can go on, results that workers keep can be
+  // fetched.
+  std::size_t kept_submissions = 100;
 };
 
 // What must outlive the coordinator, in one SQLite file: jobs, and which of their frames are in place. All else is
@@ -50,8 +52,9 @@ class Journal {
   // A job that is new, or goes on.
   [[nodiscard]] Status Admit(const JournaledJob& job);
   [[nodiscard]] Status Commit(JobId job, int frame, const CommittedFrame& committed);
-  // Forgets what the job needed to go on if it is done, and older jobs beyond the bounds.
-  [[nodiscard]] Status End(JobId job, JobState state, const std::string& status);
+  // Forgets submission and frames of a job that is done, unless workers keep its results, and older jobs beyond the
+  // bounds.
+  [[nodiscard]] Status End(JobId job, JobState state, const std::string& status, bool keeps_results = false);
   // The frames are not there any more.
   [[nodiscard]] Status ForgetFrames(JobId job);
 

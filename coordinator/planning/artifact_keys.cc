@@ -78,13 +78,22 @@ ArtifactKey RefinePart(const JobConfig& config) {
   return builder.Build();
 }
 
+ArtifactKey FilesPart(const JobConfig& config) {
+  const EstimationParams& params = config.resolved.params;
+  KeyBuilder builder("files");
+  builder.Add(params.confidence ? 1 : 0).Add(params.assesses() ? params.holes : 0.0);
+  for (const JobView& view : config.resolved.views) builder.Add(view.camera.name);
+  return builder.Build();
+}
+
 }  // namespace
 
 ArtifactKeys::ArtifactKeys(const JobConfig& config)
     : partition_(config.resolved.params.partition),
       search_step_(config.render ? 1 : SearchStep(config.resolved, 1)),
       job_(JobPart(config)),
-      refined_(RefinePart(config)) {}
+      refined_(RefinePart(config)),
+      files_(FilesPart(config)) {}
 
 ArtifactKey ArtifactKeys::Estimate(int num_blocks, int block, std::span<const Input> inputs) const {
   // One block holds all levels, however they are spread.
@@ -134,6 +143,10 @@ ArtifactKey ArtifactKeys::AnalysisRequest(const JobConfig& config, int view, con
   // As AnalysisKey (worker/execution/analysis_key.cc): only of a P frame, which reads the analysis before it.
   if (!inputs.empty()) builder.Add(params.p_threshold);
   return builder.Build();
+}
+
+ArtifactKey ArtifactKeys::Emit(int frame_of_sequence, std::span<const Input> inputs) const {
+  return KeyBuilder("emit").Add(job_).Add(refined_).Add(files_).Add(frame_of_sequence).Add(inputs).Build();
 }
 
 ArtifactKey ArtifactKeys::Assess(int view, std::span<const Input> inputs) const {

@@ -28,12 +28,15 @@ class ArtifactKeys {
   [[nodiscard]] static ArtifactKey AnalysisRequest(const JobConfig& config, int view, const std::string& picture,
                                                    const GuideFiles& guides, std::span<const Input> inputs);
   [[nodiscard]] ArtifactKey Assess(int view, std::span<const Input> inputs) const;
+  // Of the files of a frame, whose names count: those of cameras and the frame's position in the sequence.
+  [[nodiscard]] ArtifactKey Emit(int frame_of_sequence, std::span<const Input> inputs) const;
 
  private:
   Partition partition_;
   int search_step_;      // of one block; that of several follows
   ArtifactKey job_;      // of what all tasks of the job share
   ArtifactKey refined_;  // of what its Refine and Assess tasks share besides
+  ArtifactKey files_;    // of what its Emit tasks share besides
 };
 
 }  // namespace depthfarm

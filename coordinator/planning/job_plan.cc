@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "common/sequence/depth_manifest.h"
+#include "common/job/job_manifest.h"
 
 namespace depthfarm {
 namespace {
@@ -28,7 +28,7 @@ bool MakesArtifact(TaskKind kind) {
          kind == TaskKind::kRefine || kind == TaskKind::kAssess;
 }
 
-bool StagesFiles(TaskKind kind) { return kind == TaskKind::kEmit || kind == TaskKind::kRender; }
+bool MakesFiles(TaskKind kind) { return kind == TaskKind::kEmit || kind == TaskKind::kRender; }
 
 int NumParts(std::size_t num_views) { return static_cast<int>((num_views + kViewsPerPart - 1) / kViewsPerPart); }
 
@@ -59,6 +59,10 @@ const std::vector<std::vector<MergePair>>& JobPlan::Rounds(int frame) const {
   return resolved().IsIFrame(frame) ? rounds_i_ : rounds_p_;
 }
 
+bool JobPlan::MakesArtifact(TaskKind kind) const {
+  return depthfarm::MakesArtifact(kind) || (keeps_results() && kind == TaskKind::kEmit);
+}
+
 std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
   const JobId job = job_.config.job;
   const int begin = gop * resolved().params.gop;
@@ -85,7 +89,7 @@ std::vector<TaskId> JobPlan::TasksOfGop(int gop) const {
     for (int view = 0; resolved().params.assesses() && view < resolved().num_views(); ++view)
       tasks.push_back(Assessed(frame, view));
     tasks.push_back({job, frame, renders() ? TaskKind::kRender : TaskKind::kEmit, 0, 0});
-    tasks.push_back({job, frame, TaskKind::kCommit, 0, 0});
+    if (!keeps_results()) tasks.push_back({job, frame, TaskKind::kCommit, 0, 0});
   }
   return tasks;
 }
@@ -227,7 +231,7 @@ std::uint64_t JobPlan::Total(TaskKind kind) const {
   switch (kind) {
     case TaskKind::kPrepare:
     case TaskKind::kManifest:
-      return 1;
+      return keeps_results() ? 0 : 1;
     case TaskKind::kAnalyse:
       return frames * static_cast<std::uint64_t>(resolved().num_views());
     case TaskKind::kEstimate:
@@ -251,7 +255,7 @@ std::uint64_t JobPlan::Total(TaskKind kind) const {
     case TaskKind::kEmit:
       return renders() ? 0 : frames;
     case TaskKind::kCommit:
-      return frames;
+      return keeps_results() ? 0 : frames;
     case TaskKind::kCleanup:
       return 0;
   }
@@ -265,16 +269,12 @@ std::span<const VirtualPicture> JobPlan::ViewsOf(int part) const {
 }
 
 std::vector<std::string> JobPlan::OutputPaths(int frame) const {
-  std::vector<std::string> paths;
   if (renders()) {
+    std::vector<std::string> paths;
     for (const VirtualPicture& view : ViewsOf(frame)) paths.push_back(ViewFileName(view.number));
     return paths;
   }
-  const int in_sequence = resolved().params.first_frame + frame;
-  for (const JobView& view : resolved().views) paths.push_back(DepthFileName(view.camera.name, in_sequence));
-  if (!resolved().params.confidence) return paths;
-  for (const JobView& view : resolved().views) paths.push_back(ConfidenceFileName(view.camera.name, in_sequence));
-  return paths;
+  return FilesOfFrame(resolved(), frame);
 }
 
 }  // namespace depthfarm

@@ -38,6 +38,12 @@ struct PlannedInput {
   bool operator==(const PlannedInput&) const = default;
 };
 
+// True for the kinds whose result is an artifact in every job: Analyse, Estimate, Merge, Refine, Assess.
+[[nodiscard]] bool MakesArtifact(TaskKind kind);
+
+// True for the kinds that make files: Emit, Render.
+[[nodiscard]] bool MakesFiles(TaskKind kind);
+
 // The task graph of a job, computed on demand: nothing is stored per task. GOPs do not depend on each other.
 //
 //   Prepare -----------------------------------------.
@@ -50,6 +56,7 @@ struct PlannedInput {
 // last ones (ResolvedJob::FirstRefineRound).
 //
 // Of a rendering job: Prepare -> Render(f) -> Commit(f) -> Manifest, f a part.
+// Of a job that keeps its results there is neither Prepare, Commit nor Manifest; the result of Emit is an artifact.
 class JobPlan {
  public:
   explicit JobPlan(PlannedJob job);
@@ -81,8 +88,19 @@ class JobPlan {
   [[nodiscard]] std::vector<TaskId> SharedByGops() const;
   // The confidence of a view; only of jobs that ask for it (EstimationParams::assesses).
   [[nodiscard]] TaskId Assessed(int frame, int view) const;
+  // The task that makes a frame's depth files.
+  [[nodiscard]] TaskId Emitted(int frame) const { return {job_.config.job, frame, TaskKind::kEmit, 0, 0}; }
   // How many tasks of a kind the job has (Cleanup: 0).
   [[nodiscard]] std::uint64_t Total(TaskKind kind) const;
+
+  // True for a job whose files stay artifacts of Emit.
+  [[nodiscard]] bool keeps_results() const { return job_.config.keeps_results; }
+  // True for the kinds whose result is an artifact in this job.
+  [[nodiscard]] bool MakesArtifact(TaskKind kind) const;
+  // True for the kinds that write into a staging folder in this job.
+  [[nodiscard]] bool StagesFiles(TaskKind kind) const { return MakesFiles(kind) && !keeps_results(); }
+  // The kind of the last task of a frame: Commit, or Emit of a job that keeps its results.
+  [[nodiscard]] TaskKind EndOfFrame() const { return keeps_results() ? TaskKind::kEmit : TaskKind::kCommit; }
 
   // True for a job that renders views.
   [[nodiscard]] bool renders() const { return job_.config.render.has_value(); }
@@ -107,12 +125,6 @@ class JobPlan {
   std::vector<std::vector<MergePair>> rounds_i_;
   std::vector<std::vector<MergePair>> rounds_p_;
 };
-
-// True for the kinds whose result is an artifact: Analyse, Estimate, Merge, Refine, Assess.
-[[nodiscard]] bool MakesArtifact(TaskKind kind);
-
-// True for the kinds that write into a staging folder: Emit, Render.
-[[nodiscard]] bool StagesFiles(TaskKind kind);
 
 // Bounds of one job: the Manifest task names every depth file in one message. kInvalidArgument names the bound.
 [[nodiscard]] Status CheckPlannable(const ResolvedJob& job);

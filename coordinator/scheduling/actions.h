@@ -39,6 +39,11 @@ struct Release {
   WorkerId worker;
   std::vector<ArtifactKey> keys;
 };
+// The worker holds these results of a job that keeps them: it shall drop them last.
+struct Keep {
+  WorkerId worker;
+  std::vector<ArtifactKey> keys;
+};
 // Tell the worker that no task of the job will come any more.
 struct ForgetJob {
   WorkerId worker;
@@ -71,7 +76,7 @@ struct Note {
   std::vector<std::pair<std::string, std::string>> fields;
 };
 
-using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, ForgetJob, FrameCommitted, JobEnded,
+using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, Keep, ForgetJob, FrameCommitted, JobEnded,
                             WorkerLost, EndWorker, Note>;
 
 }  // namespace depthfarm

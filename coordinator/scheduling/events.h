@@ -13,6 +13,7 @@
 #include "common/job/task_spec.h"
 #include "coordinator/planning/job_plan.h"
 #include "coordinator/scheduling/committed_frame.h"
+#include "coordinator/scheduling/job_results.h"
 
 namespace depthfarm {
 
@@ -31,6 +32,17 @@ struct JobSubmitted {
   CommittedFrames committed = {};
 };
 struct JobCancelled {
+  JobId job;
+};
+
+// Of a job that ended in an earlier life of the coordinator and kept them.
+struct ResultsRestored {
+  JobId job;
+  JobResults results;
+};
+
+// Nobody can ask for the job any more: its results, if it kept them, are not wanted.
+struct JobForgotten {
   JobId job;
 };
 
@@ -88,8 +100,8 @@ struct WorkerLeft {
   WorkerId worker;
 };
 
-using Event = std::variant<JobSubmitted, JobCancelled, WorkerDrained, WorkerJoined, WorkerAsked, WorkerHeard,
-                           TaskFinished, TaskFailed, ArtifactsDropped, WorkerLeft>;
+using Event = std::variant<JobSubmitted, JobCancelled, ResultsRestored, JobForgotten, WorkerDrained, WorkerJoined,
+                           WorkerAsked, WorkerHeard, TaskFinished, TaskFailed, ArtifactsDropped, WorkerLeft>;
 
 }  // namespace depthfarm
 

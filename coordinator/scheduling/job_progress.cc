@@ -35,25 +35,33 @@ JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int
       directory_(directory),
       max_setbacks_(max_setbacks) {
   const auto frames = static_cast<std::size_t>(plan_.resolved().num_frames);
-  done_files_.resize(frames);
-  picture_digests_.resize(frames * plan_.resolved().views.size());
+  results_.frames.resize(frames);
+  results_.picture_digests.resize(frames * plan_.resolved().views.size());
   for (int kind = 0; kind < kNumTaskKinds; ++kind) {
     stages_[static_cast<std::size_t>(kind)].tasks_total = plan_.Total(static_cast<TaskKind>(kind));
   }
   if (!committed.empty()) committed_before_.resize(frames);
-  const std::size_t views = plan_.resolved().views.size();
-  for (const auto& [frame, done] : committed) {
-    const auto f = static_cast<std::size_t>(frame);
-    done_files_[f] = done.files;
-    committed_before_[f] = true;
-    std::ranges::copy(done.picture_digests, picture_digests_.begin() + static_cast<std::ptrdiff_t>(f * views));
-    files_done_ += static_cast<int>(done.files.size());
-    ++frames_done_;
+  for (const auto& [frame, done] : committed) AddCommitted(frame, done);
+  if (plan_.keeps_results()) {
+    done_ = frames_done_ == plan_.resolved().num_frames;
+    if (done_) OpenNextGop();  // counts the tasks of all
+    return;
   }
   table_.Add(plan_.OfJob(TaskKind::kPrepare));
   Queue(plan_.OfJob(TaskKind::kPrepare));
   if (frames_done_ == plan_.resolved().num_frames) AddManifest();
   Settle();
+}
+
+void JobProgress::AddCommitted(int frame, const CommittedFrame& committed) {
+  const auto f = static_cast<std::size_t>(frame);
+  results_.frames[f] = {committed.files, committed.bundle};
+  committed_before_[f] = true;
+  std::ranges::copy(committed.picture_digests,
+                    results_.picture_digests.begin() + static_cast<std::ptrdiff_t>(f * plan_.resolved().views.size()));
+  if (committed.bundle) frame_of_bundle_[committed.bundle->key] = frame;
+  files_done_ += static_cast<int>(committed.files.size());
+  ++frames_done_;
 }
 
 bool JobProgress::IsBehind(const TaskId& id) const {
@@ -97,10 +105,15 @@ void JobProgress::Open(int gop) {
       table_.SetState(id, TaskState::kDone);
       ++Stage(id.kind).tasks_done;
       ++Stage(id.kind).reused;
+      if (plan_.keeps_results()) {
+        table_.Find(id)->consumers = 1;
+        SetArtifact(id, *results_.frames[static_cast<std::size_t>(id.frame)].bundle);
+      }
       continue;
     }
     for (const TaskId& needed : plan_.Prerequisites(id)) ++table_.Find(needed)->consumers;
-    frames += id.kind == TaskKind::kCommit ? 1 : 0;
+    frames += id.kind == plan_.EndOfFrame() ? 1 : 0;
+    if (id.kind == TaskKind::kEmit && plan_.keeps_results()) ++table_.Find(id)->consumers;  // whoever fetches it
     Queue(id);
   }
   if (gop == 0) {
@@ -122,13 +135,13 @@ void JobProgress::Settle() {
 bool JobProgress::IsSatisfied(const TaskId& id) const {
   const Task* task = table_.Find(id);
   if (task == nullptr || task->state != TaskState::kDone) return false;
-  return !MakesArtifact(id.kind) || (task->artifact && directory_.Find(task->artifact->key) != nullptr);
+  return !plan_.MakesArtifact(id.kind) || (task->artifact && directory_.Find(task->artifact->key) != nullptr);
 }
 
 void JobProgress::Activate(const TaskId& id) {
   Task* task = table_.Find(id);
   if (task == nullptr || task->state == TaskState::kDone || task->state == TaskState::kLeased) return;
-  if (MakesArtifact(id.kind) && task->consumers == 0) {  // was lost, and meanwhile nobody needs it
+  if (plan_.MakesArtifact(id.kind) && task->consumers == 0) {  // was lost, and meanwhile nobody needs it
     MarkDone(id);
     return;
   }
@@ -145,7 +158,8 @@ void JobProgress::Activate(const TaskId& id) {
     return;
   }
   task->work = id.kind == TaskKind::kAnalyse ? AnalysisRequest(id) : OutputKey(id, BoundInputs(id));
-  if (task->work && id.kind != TaskKind::kAnalyse) {
+  // Of the files in a bundle its worker tells the digests.
+  if (task->work && id.kind != TaskKind::kAnalyse && id.kind != TaskKind::kEmit) {
     if (const ArtifactInfo* artifact = directory_.Find(*task->work)) {
       SetArtifact(id, *artifact);
       ++Stage(id.kind).reused;
@@ -165,6 +179,7 @@ void JobProgress::Reopen(const TaskId& id) {
   table_.SetState(id, TaskState::kBlocked);
   --Stage(id.kind).tasks_done;
   CountSetback(id);
+  if (id.kind == plan_.EndOfFrame()) LoseFrame(id.frame);
   for (const TaskId& needed : plan_.Prerequisites(id)) ++table_.Find(needed)->consumers;
   Queue(id);
 }
@@ -175,12 +190,12 @@ void JobProgress::MarkDone(const TaskId& id) {
   for (const TaskId& needed : plan_.Prerequisites(id)) NotNeededBy(needed);
   const std::vector<TaskId> watchers = std::exchange(table_.Find(id)->watchers, {});
   for (const TaskId& watcher : watchers) Queue(watcher);
-  if (id.kind == TaskKind::kCommit) CommitFrame(id.frame);
+  if (id.kind == plan_.EndOfFrame()) CommitFrame(id.frame);
 }
 
 void JobProgress::NotNeededBy(const TaskId& id) {
   Task* task = table_.Find(id);
-  if (--task->consumers > 0 || !MakesArtifact(id.kind)) return;
+  if (--task->consumers > 0 || !plan_.MakesArtifact(id.kind)) return;
   if (task->artifact && !Needs(task->artifact->key)) released_.push_back(task->artifact->key);
   Queue(id);  // a lost one need not run again
 }
@@ -189,6 +204,7 @@ void JobProgress::RemoveTasks(int gop, bool of_shared_frame) {
   for (const TaskId& id : plan_.TasksOfGop(gop)) {
     if ((plan_.shares_i_frame() && id.frame == 0) != of_shared_frame) continue;
     const Task* task = table_.Find(id);
+    if (task == nullptr) continue;
     if (task->artifact) ForgetProducer(id, task->artifact->key);
     if (task->state != TaskState::kDone) ++Stage(id.kind).tasks_done;  // done before, lost, and being made for nobody
     table_.Remove(id);
@@ -197,8 +213,11 @@ void JobProgress::RemoveTasks(int gop, bool of_shared_frame) {
 
 void JobProgress::CommitFrame(int frame) {
   const auto emitted = emitted_.find(frame);
-  for (const OutputFile& file : emitted->second.files) {
-    done_files_[static_cast<std::size_t>(frame)].push_back({file.sha256, file.bytes});
+  JobResults::Frame& result = results_.frames[static_cast<std::size_t>(frame)];
+  for (const OutputFile& file : emitted->second.files) result.files.push_back({file.sha256, file.bytes});
+  if (plan_.keeps_results()) {
+    result.bundle = table_.Find(plan_.Emitted(frame))->artifact;
+    frame_of_bundle_[result.bundle->key] = frame;
   }
   files_done_ += static_cast<int>(emitted->second.files.size());
   emitted_.erase(emitted);
@@ -208,8 +227,11 @@ void JobProgress::CommitFrame(int frame) {
     RemoveTasks(gop, false);
     open_gops_.erase(gop);
   }
-  if (frames_done_ == plan_.resolved().num_frames) {
-    if (plan_.shares_i_frame()) RemoveTasks(0, true);
+  if (frames_done_ < plan_.resolved().num_frames) return;
+  if (plan_.shares_i_frame()) RemoveTasks(0, true);
+  if (plan_.keeps_results()) {
+    done_ = true;
+  } else {
     AddManifest();
   }
 }
@@ -223,14 +245,15 @@ void JobProgress::AddManifest() {
 
 CommittedFrame JobProgress::CommittedOf(int frame) const {
   const auto views = static_cast<std::ptrdiff_t>(plan_.resolved().views.size());
-  const auto first = picture_digests_.begin() + frame * views;
-  return {done_files_[static_cast<std::size_t>(frame)], {first, first + views}};
+  const auto first = results_.picture_digests.begin() + frame * views;
+  const JobResults::Frame& done = results_.frames[static_cast<std::size_t>(frame)];
+  return {done.files, {first, first + views}, done.bundle};
 }
 
 std::vector<OutputFile> JobProgress::DoneFiles() const {
   std::vector<OutputFile> all;
   for (int frame = 0; frame < plan_.resolved().num_frames; ++frame) {
-    const std::vector<CommittedFrame::File>& files = done_files_[static_cast<std::size_t>(frame)];
+    const std::vector<FileDigest>& files = results_.frames[static_cast<std::size_t>(frame)].files;
     if (files.empty()) continue;
     const std::vector<std::string> paths = plan_.OutputPaths(frame);
     for (std::size_t i = 0; i < files.size(); ++i) all.push_back({paths[i], files[i].sha256, files[i].bytes});
@@ -269,13 +292,14 @@ std::vector<ArtifactInfo> JobProgress::InputsOf(const TaskId& id) const {
 }
 
 std::optional<ArtifactKey> JobProgress::OutputKey(const TaskId& id, const std::vector<TaskInput>& inputs) const {
-  if (!MakesArtifact(id.kind) || id.kind == TaskKind::kAnalyse) return std::nullopt;  // its worker finds the name
+  if (!plan_.MakesArtifact(id.kind) || id.kind == TaskKind::kAnalyse) return std::nullopt;  // its worker finds the name
   std::vector<ArtifactKeys::Input> keys;
   keys.reserve(inputs.size());
   for (const TaskInput& input : inputs) keys.push_back({input.role, input.artifact.key});
   if (id.kind == TaskKind::kMerge) return keys_.Merge(keys);
   if (id.kind == TaskKind::kRefine) return keys_.Refine(id.index, id.pair, keys);
   if (id.kind == TaskKind::kAssess) return keys_.Assess(id.index, keys);
+  if (id.kind == TaskKind::kEmit) return keys_.Emit(plan_.resolved().params.first_frame + id.frame, keys);
   return keys_.Estimate(plan_.resolved().NumBlocks(id.frame), id.index, keys);
 }
 
@@ -308,7 +332,7 @@ TaskSpec JobProgress::Spec(const TaskId& id) const {
   }
   if (id.kind == TaskKind::kManifest) {
     spec.files = DoneFiles();
-    spec.picture_digests = picture_digests_;
+    spec.picture_digests = results_.picture_digests;
     spec.views = plan_.job().views;
   }
   if (id.kind == TaskKind::kRender) {
@@ -324,7 +348,7 @@ std::optional<GrantedTask> JobProgress::Take(const TaskId& id, LeaseId lease) {
   Task* task = table_.Find(id);
   if (task == nullptr || task->state != TaskState::kReady) return std::nullopt;
   GrantedTask granted{Spec(id), {}, {}};
-  if (StagesFiles(id.kind)) granted.spec.staging = StagingName(id.frame, task->failures + 1, lease);
+  if (plan_.StagesFiles(id.kind)) granted.spec.staging = StagingName(id.frame, task->failures + 1, lease);
   for (const TaskInput& input : granted.spec.inputs)
     granted.holders.push_back(HoldersToTell(directory_, input.artifact.key, lease));
   table_.SetState(id, TaskState::kLeased);
@@ -345,14 +369,14 @@ void JobProgress::PutBack(const TaskId& id) {
 
 Status JobProgress::CheckResult(const TaskFinished& result, const Task& task) const {
   const TaskId& id = result.task;
-  if (MakesArtifact(id.kind) && !result.artifact) return Internal(TaskName(id) + " ended without an artifact");
+  if (plan_.MakesArtifact(id.kind) && !result.artifact) return Internal(TaskName(id) + " ended without an artifact");
   if (task.expected_key && result.artifact->key != *task.expected_key) {
     return Internal(TaskName(id) + " ended with an artifact of another name than its output key");
   }
   if (id.kind == TaskKind::kAnalyse && !result.picture_digest) {
     return Internal(TaskName(id) + " ended without the digest of its picture");
   }
-  if (!StagesFiles(id.kind)) return {};
+  if (!MakesFiles(id.kind)) return {};
   const std::vector<std::string> expected = plan_.OutputPaths(id.frame);
   if (result.files.size() != expected.size()) {
     return Internal(TaskName(id) + " wrote " + std::to_string(result.files.size()) + " files, expected " +
@@ -370,15 +394,15 @@ Result<bool> JobProgress::Finish(const TaskFinished& result) {
   Task& task = *table_.Find(id);
   DEPTHFARM_RETURN_IF_ERROR(CheckResult(result, task));
   bool changed_content = false;
-  if (MakesArtifact(id.kind)) {
+  if (plan_.MakesArtifact(id.kind)) {
     changed_content = task.artifact && task.artifact->key == result.artifact->key && *task.artifact != *result.artifact;
     SetArtifact(id, *result.artifact);
   }
   if (id.kind == TaskKind::kAnalyse) {
     const auto position = static_cast<std::size_t>(id.frame) * plan_.resolved().views.size();
-    picture_digests_[position + static_cast<std::size_t>(id.index)] = *result.picture_digest;
+    results_.picture_digests[position + static_cast<std::size_t>(id.index)] = *result.picture_digest;
   }
-  if (StagesFiles(id.kind)) emitted_[id.frame] = {task.staging, result.files};
+  if (MakesFiles(id.kind)) emitted_[id.frame] = {task.staging, result.files};
   StageSnapshot& stage = Stage(id.kind);
   stage.cpu_seconds += result.stats.cpu_seconds;
   stage.wall_seconds += result.stats.wall_seconds;
@@ -401,10 +425,59 @@ void JobProgress::LoseArtifacts(const std::vector<ArtifactKey>& keys) {
       if (task->state == TaskState::kDone && task->consumers > 0) Reopen(id);
     }
   }
+  for (const ArtifactKey& key : keys) {
+    const auto lost = frame_of_bundle_.find(key);  // of a GOP that is closed: that of an open one was reopened above
+    if (lost == frame_of_bundle_.end() || abandoned_) continue;
+    if (plan_.GopOf(lost->second) < next_gop_) {
+      RestoreGop(plan_.GopOf(lost->second));
+    } else {  // was committed before, and its turn has not come
+      committed_before_[static_cast<std::size_t>(lost->second)] = false;
+      DropResult(lost->second);
+    }
+  }
   Settle();
 }
 
+void JobProgress::DropResult(int frame) {
+  JobResults::Frame& result = results_.frames[static_cast<std::size_t>(frame)];
+  --frames_done_;
+  files_done_ -= static_cast<int>(result.files.size());
+  frame_of_bundle_.erase(result.bundle->key);
+  result = {};
+}
+
+void JobProgress::LoseFrame(int frame) {
+  DropResult(frame);
+  ++open_gops_[plan_.GopOf(frame)];
+  if (++losses_[frame] > max_setbacks_) worn_out_ = plan_.Emitted(frame);
+}
+
+void JobProgress::RestoreGop(int gop) {
+  std::vector<TaskId> tasks = plan_.TasksOfGop(gop);
+  std::erase_if(tasks, [&](const TaskId& id) { return table_.Find(id) != nullptr; });  // of the I frame that GOPs share
+  for (const TaskId& id : tasks) {
+    table_.Add(id);
+    --Stage(id.kind).tasks_done;
+  }
+  for (const TaskId& id : tasks) {
+    if (id.kind == TaskKind::kEmit) {
+      table_.Find(id)->consumers = 1;
+      const std::optional<ArtifactInfo> bundle = results_.frames[static_cast<std::size_t>(id.frame)].bundle;
+      if (directory_.Find(bundle->key) != nullptr) {
+        SetArtifact(id, *bundle);
+        table_.SetState(id, TaskState::kDone);
+        ++Stage(id.kind).tasks_done;
+        continue;  // it reads nothing: what only this frame needed is found to be needed by nobody
+      }
+      LoseFrame(id.frame);
+    }
+    for (const TaskId& needed : plan_.Prerequisites(id)) ++table_.Find(needed)->consumers;
+    Queue(id);
+  }
+}
+
 bool JobProgress::Needs(const ArtifactKey& key) const {
+  if (frame_of_bundle_.contains(key)) return true;
   const auto producers = producers_.find(key);
   return producers != producers_.end() && std::any_of(producers->second.begin(), producers->second.end(),
                                                       [&](const TaskId& id) { return table_.Find(id)->consumers > 0; });
@@ -420,6 +493,7 @@ void JobProgress::Abandon() {
   open_gops_.clear();
   worn_out_.reset();
   next_gop_ = plan_.num_gops();
+  abandoned_ = true;
 }
 
 void JobProgress::StartCleanup() {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/status.h"
@@ -15,6 +16,7 @@
 #include "coordinator/planning/job_plan.h"
 #include "coordinator/scheduling/actions.h"
 #include "coordinator/scheduling/artifact_directory.h"
+#include "coordinator/scheduling/job_results.h"
 #include "coordinator/scheduling/snapshot.h"
 #include "coordinator/scheduling/task_table.h"
 
@@ -71,8 +73,10 @@ class JobProgress {
 
   // The artifacts are held by nobody any more. Tasks that made them and that unfinished tasks need run again.
   void LoseArtifacts(const std::vector<ArtifactKey>& keys);
-  // True if an unfinished task reads the artifact.
+  // True if an unfinished task reads the artifact, or it is a result of a job that keeps them.
   [[nodiscard]] bool Needs(const ArtifactKey& key) const;
+  // True for the bundle of a frame that is done, of a job that keeps its results.
+  [[nodiscard]] bool IsResult(const ArtifactKey& key) const { return frame_of_bundle_.contains(key); }
   // The artifacts that a task reads, in its order; those that nobody holds are left out.
   [[nodiscard]] std::vector<ArtifactInfo> InputsOf(const TaskId& id) const;
   // The artifacts that no unfinished task of the job reads any more, since the last call.
@@ -89,6 +93,11 @@ class JobProgress {
   // Manifest, or after Abandon Cleanup, is done.
   [[nodiscard]] bool done() const { return done_; }
 
+  // What was made so far.
+  [[nodiscard]] const JobResults& results() const { return results_; }
+  // The same at the end of the job.
+  [[nodiscard]] JobResults TakeResults() { return std::move(results_); }
+
   [[nodiscard]] int frames_done() const { return frames_done_; }
   [[nodiscard]] int files_done() const { return files_done_; }
   [[nodiscard]] const std::array<StageSnapshot, kNumTaskKinds>& stages() const { return stages_; }
@@ -98,7 +107,6 @@ class JobProgress {
     std::string staging;
     std::vector<OutputFile> files;  // of each view
   };
-
   // Activation decides between blocked, ready and done by what is there now. It is queued, not nested: a reused chain
   // of P frames may be long.
   void Queue(const TaskId& id) { to_activate_.push_back(id); }
@@ -108,6 +116,7 @@ class JobProgress {
   void Reopen(const TaskId& id);
   void MarkDone(const TaskId& id);
   void CommitFrame(int frame);
+  void AddCommitted(int frame, const CommittedFrame& committed);
   void AddManifest();
   [[nodiscard]] std::vector<OutputFile> DoneFiles() const;
   // Whether a task must not run again: it ends a frame that was committed before.
@@ -119,6 +128,11 @@ class JobProgress {
   void NotNeededBy(const TaskId& id);
   // Of a GOP whose frames are committed: those of the I frame that all GOPs share, or all others.
   void RemoveTasks(int gop, bool of_shared_frame);
+  // The bundle of a frame that was done is lost: the frame is not done any more.
+  void LoseFrame(int frame);
+  void DropResult(int frame);
+  // Opens a GOP whose frames were done again, for those whose bundles are lost.
+  void RestoreGop(int gop);
   void SetArtifact(const TaskId& id, const ArtifactInfo& artifact);
   void ForgetProducer(const TaskId& id, const ArtifactKey& key);
   [[nodiscard]] std::vector<TaskInput> BoundInputs(const TaskId& id) const;
@@ -138,10 +152,12 @@ class JobProgress {
   int next_gop_ = 0;
   std::map<int, int> open_gops_;
   std::map<ArtifactKey, std::set<TaskId>> producers_;
-  std::map<int, EmittedFrame> emitted_;                        // frames whose Commit is not done
-  std::vector<std::vector<CommittedFrame::File>> done_files_;  // [frame][file], for the manifest
-  std::vector<bool> committed_before_;                         // frames that were when the job began; empty if none was
-  std::vector<ContentDigest> picture_digests_;                 // by frame, then view
+  std::map<int, EmittedFrame> emitted_;  // frames whose Commit is not done
+  JobResults results_;
+  std::vector<bool> committed_before_;          // frames that were when the job began; empty if none was
+  std::map<ArtifactKey, int> frame_of_bundle_;  // of a job that keeps its results
+  std::map<int, int> losses_;                   // how often the bundle of a frame was lost
+  bool abandoned_ = false;
   std::vector<ArtifactKey> released_;
   std::optional<TaskId> worn_out_;
   std::array<StageSnapshot, kNumTaskKinds> stages_;

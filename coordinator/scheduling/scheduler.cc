@@ -77,6 +77,11 @@ void Scheduler::On(const WorkerJoined& event) {
   }
   for (const ArtifactInfo& artifact : event.artifacts)
     AddArtifact(event.worker, artifact, JobId(), "the store of " + event.name);
+  Keep results{event.worker, {}};  // it may have been started anew
+  for (const ArtifactInfo& artifact : event.artifacts) {
+    if (IsResult(artifact.key)) results.keys.push_back(artifact.key);
+  }
+  if (!results.keys.empty()) Add(std::move(results));
   LoseArtifacts(lost);
 }
 
@@ -253,7 +258,8 @@ void Scheduler::LoseArtifacts(const std::vector<ArtifactKey>& keys) {
 
 std::optional<JobId> Scheduler::JobWritingTo(const std::string& output_dir) const {
   for (const auto& [id, job] : jobs_) {
-    if (job.progress->plan().job().config.output_dir == output_dir) return id;
+    const JobConfig& config = job.progress->plan().job().config;
+    if (!config.keeps_results && config.output_dir == output_dir) return id;
   }
   return std::nullopt;
 }

@@ -16,6 +16,7 @@
 #include "coordinator/scheduling/events.h"
 #include "coordinator/scheduling/gop_homes.h"
 #include "coordinator/scheduling/job_progress.h"
+#include "coordinator/scheduling/kept_results.h"
 #include "coordinator/scheduling/placement.h"
 #include "coordinator/scheduling/snapshot.h"
 #include "coordinator/scheduling/worker_table.h"
@@ -52,6 +53,12 @@ class Scheduler {
   // The job that writes to the folder, if one does: a folder belongs to one job at a time.
   [[nodiscard]] std::optional<JobId> JobWritingTo(const std::string& output_dir) const;
   [[nodiscard]] std::optional<JobSnapshot> Job(JobId id) const;
+  // Of a job that keeps its results: what it has made so far, or had when it ended; null when they were forgotten.
+  [[nodiscard]] const JobResults* ResultsOf(JobId id) const;
+  // The workers to fetch an artifact from: at most a few.
+  [[nodiscard]] std::vector<WorkerId> HoldersOf(const ArtifactKey& key) const {
+    return HoldersToTell(directory_, key, LeaseId(0));
+  }
   // By id. Jobs that ended are not among them.
   [[nodiscard]] std::vector<JobSnapshot> Jobs() const;
   [[nodiscard]] std::vector<WorkerSnapshot> Workers() const;
@@ -81,6 +88,8 @@ class Scheduler {
 
   void On(const JobSubmitted& event);
   void On(const JobCancelled& event);
+  void On(const ResultsRestored& event);
+  void On(const JobForgotten& event);
   void On(const WorkerDrained& event);
   void On(const WorkerJoined& event);
   void On(const WorkerAsked& event);
@@ -105,6 +114,9 @@ class Scheduler {
   void ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease);
   void EndJobBadly(JobId id, JobState state, const Status& error);
   void ReleaseArtifactsOf(JobRecord& job);
+  void ReleaseUnneeded(const std::vector<ArtifactKey>& keys);
+  [[nodiscard]] bool IsNeeded(const ArtifactKey& key) const;
+  [[nodiscard]] bool IsResult(const ArtifactKey& key) const;
   void AdvanceEndings();
   void EndDrainedWorkers();
   void UpdateTaken();
@@ -154,6 +166,7 @@ class Scheduler {
   WorkerTable workers_;
   std::map<JobId, JobRecord> jobs_;
   AnalysisMemo analyses_;
+  KeptResults results_;              // of jobs that ended
   std::map<WorkerId, TaskId> held_;  // gets nothing else, but of jobs of higher priority, until it has the memory
   std::uint64_t workers_seen_ = 0;   // WorkerTable::generation when JobRecord::taken was told
   std::uint64_t late_results_ = 0;

@@ -25,9 +25,15 @@ void Scheduler::On(const JobSubmitted& event) {
            {"frames", std::to_string(event.job.config.resolved.num_frames)},
            {"committed", std::to_string(event.committed.size())},
            {"views", std::to_string(event.job.config.resolved.num_views())}});
+  ReleaseUnneeded(results_.Forget(id));  // of a job that goes on: it has them now
+  if (job.progress->done()) EndJob(id, JobState::kDone);
 }
 
 void Scheduler::On(const JobCancelled& event) { EndJobBadly(event.job, JobState::kCancelled, Cancelled()); }
+
+void Scheduler::On(const ResultsRestored& event) { ReleaseUnneeded(results_.Add(event.job, event.results)); }
+
+void Scheduler::On(const JobForgotten& event) { ReleaseUnneeded(results_.Forget(event.job)); }
 
 void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease& lease) {
   const std::vector<ArtifactInfo> inputs = job.progress->InputsOf(event.task);
@@ -45,8 +51,9 @@ void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease&
            {"lease", std::to_string(event.lease.value())},
            {"worker", workers_.Find(event.worker)->name},
            {"cpu", std::to_string(event.stats.cpu_seconds)}});
+  if (event.task.kind == TaskKind::kEmit && event.artifact) Add(Keep{event.worker, {event.artifact->key}});
   ReleaseArtifactsOf(job);
-  if (event.task.kind == TaskKind::kCommit) {
+  if (event.task.kind == job.progress->plan().EndOfFrame()) {
     Add(FrameCommitted{event.task.job, event.task.frame, job.progress->CommittedOf(event.task.frame)});
     const int gop = job.progress->plan().GopOf(event.task.frame);
     if (!job.progress->open_gops().contains(gop)) job.homes.End(gop);
@@ -118,12 +125,22 @@ void Scheduler::EndJobBadly(JobId id, JobState state, const Status& error) {
   ReleaseArtifactsOf(*job);
 }
 
-void Scheduler::ReleaseArtifactsOf(JobRecord& job) {
+bool Scheduler::IsNeeded(const ArtifactKey& key) const {
+  return results_.Wants(key) ||
+         std::ranges::any_of(jobs_, [&](const auto& entry) { return entry.second.progress->Needs(key); });
+}
+
+bool Scheduler::IsResult(const ArtifactKey& key) const {
+  return results_.Wants(key) ||
+         std::ranges::any_of(jobs_, [&](const auto& entry) { return entry.second.progress->IsResult(key); });
+}
+
+void Scheduler::ReleaseArtifactsOf(JobRecord& job) { ReleaseUnneeded(job.progress->TakeReleased()); }
+
+void Scheduler::ReleaseUnneeded(const std::vector<ArtifactKey>& keys) {
   std::map<WorkerId, Release> by_worker;
-  for (const ArtifactKey& key : job.progress->TakeReleased()) {
-    const bool needed =
-        std::any_of(jobs_.begin(), jobs_.end(), [&](const auto& entry) { return entry.second.progress->Needs(key); });
-    if (needed) continue;
+  for (const ArtifactKey& key : keys) {
+    if (IsNeeded(key)) continue;
     for (const WorkerId holder : directory_.Holders(key)) by_worker[holder].keys.push_back(key);
   }
   for (auto& [worker, release] : by_worker) {
@@ -210,7 +227,10 @@ void Scheduler::EndJob(JobId id, JobState state) {
   JobSnapshot snapshot = Snapshot(id, job);
   snapshot.state = state;
   snapshot.ended = now_;
+  const std::vector<ArtifactKey> unwanted =
+      snapshot.keeps_results ? results_.Add(id, job.progress->TakeResults()) : std::vector<ArtifactKey>();
   jobs_.erase(id);
+  ReleaseUnneeded(unwanted);
   Add(JobEnded{std::move(snapshot)});
 }
 
@@ -219,6 +239,7 @@ JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
   snapshot.id = id;
   snapshot.name = job.name;
   snapshot.output_dir = job.progress->plan().job().config.output_dir;
+  snapshot.keeps_results = job.progress->plan().keeps_results();
   snapshot.priority = job.priority;
   snapshot.error = job.error;
   const JobPlan& plan = job.progress->plan();
@@ -240,6 +261,11 @@ std::optional<JobSnapshot> Scheduler::Job(JobId id) const {
   const auto job = jobs_.find(id);
   if (job == jobs_.end()) return std::nullopt;
   return Snapshot(id, job->second);
+}
+
+const JobResults* Scheduler::ResultsOf(JobId id) const {
+  const auto job = jobs_.find(id);
+  return job == jobs_.end() ? results_.Find(id) : &job->second.progress->results();
 }
 
 std::vector<JobSnapshot> Scheduler::Jobs() const {

@@ -35,6 +35,7 @@ struct JobSnapshot {
   JobId id;
   std::string name;
   std::string output_dir;
+  bool keeps_results = false;  // then without output_dir
   int priority = 0;
   JobState state = JobState::kRunning;
   Status error;  // set as soon as the job begins to fail; the state follows when its leases and Cleanup are over

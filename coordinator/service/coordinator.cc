@@ -14,6 +14,7 @@
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
+#include "coordinator/service/results_page.h"
 #include "coordinator/service/status_wire.h"
 #include "coordinator/service/submission.h"
 
@@ -318,6 +319,8 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
       return StatusOf(JobId(request.get_job_status().job_id()));
     case v1::Envelope::kRetryJob:
       return Retry(JobId(request.retry_job().job_id()));
+    case v1::Envelope::kGetResults:
+      return ResultsOf(request.get_results());
     case v1::Envelope::kCancelJob:
       return Cancel(JobId(request.cancel_job().job_id()));
     case v1::Envelope::kListWorkers:
@@ -338,7 +341,9 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
 Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
   const JobId id(last_job_ + 1);
   DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob job, PlanSubmission(request, id));
-  if (const std::optional<JobId> other = scheduler_.JobWritingTo(job.config.output_dir)) {
+  const std::optional<JobId> other =
+      job.config.keeps_results ? std::nullopt : scheduler_.JobWritingTo(job.config.output_dir);
+  if (other) {
     return InvalidArgument("job " + std::to_string(other->value()) + " writes to " + job.config.output_dir +
                            ": wait for it, cancel it, or choose another folder");
   }
@@ -369,6 +374,37 @@ Result<v1::Envelope> Coordinator::StatusOf(JobId id) const {
     return answer;
   }
   return InvalidArgument("there is no job " + std::to_string(id.value()));
+}
+
+Result<v1::Envelope> Coordinator::ResultsOf(const v1::GetResults& request) const {
+  const JobId id(request.job_id());
+  const std::string name = "job " + std::to_string(id.value());
+  DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope status, StatusOf(id));
+  const v1::JobStatus& job = status.job_status();
+  if (!job.keeps_results()) {
+    return InvalidArgument(name + " writes to " + job.output_dir() +
+                           ": only the results of jobs that were submitted without an output folder can be fetched");
+  }
+  const JobResults* results = scheduler_.ResultsOf(id);
+  const auto running = jobs_.find(id);
+  const auto kept = kept_configs_.find(id);
+  if (results == nullptr || (running == jobs_.end() && kept == kept_configs_.end())) {
+    return InvalidArgument("the results of " + name + " were forgotten for those of later jobs: submit it again");
+  }
+  const auto locate = [this](const ArtifactKey& key) {
+    std::vector<ArtifactLocation> locations;
+    for (const WorkerId holder : scheduler_.HoldersOf(key)) {
+      if (const WorkerSession* session = workers_.Find(holder)) locations.push_back(session->artifacts);
+    }
+    return locations;
+  };
+  v1::Envelope answer;
+  v1::Results& page = *answer.mutable_results();
+  page = ResultsPage(*results, request.first_frame(), locate);
+  page.set_state(job.state());
+  *page.mutable_error() = job.error();
+  if (request.first_frame() == 0) *page.mutable_job() = running != jobs_.end() ? running->second.config : kept->second;
+  return answer;
 }
 
 Result<v1::Envelope> Coordinator::Cancel(JobId id) {

@@ -65,6 +65,7 @@ class Coordinator {
   [[nodiscard]] Result<v1::Envelope> Submit(const v1::SubmitJob& request);
   [[nodiscard]] Result<v1::Envelope> Retry(JobId id);
   [[nodiscard]] Result<v1::Envelope> StatusOf(JobId id) const;
+  [[nodiscard]] Result<v1::Envelope> ResultsOf(const v1::GetResults& request) const;
   [[nodiscard]] Result<v1::Envelope> Cancel(JobId id);
   [[nodiscard]] Result<v1::Envelope> Drain(const std::string& name);
   [[nodiscard]] v1::Envelope ListJobs() const;
@@ -74,8 +75,10 @@ class Coordinator {
   [[nodiscard]] Status Restore();
   [[nodiscard]] Status RestoreEnded(const JournaledJob& job);
   // Plans a job of the journal again and lets it go on from its committed frames.
-  [[nodiscard]] Status GoOn(const JournaledJob& job);
-  [[nodiscard]] Result<CommittedFrames> FramesInPlace(const PlannedJob& job) const;
+  [[nodiscard]] Status GoOn(const JournaledJob& job, bool workers_are_here);
+  [[nodiscard]] static Result<PlannedJob> PlanAgain(const JournaledJob& job);
+  // What the journal has of a job, less what was replaced since, and what no worker holds, if they are here.
+  [[nodiscard]] Result<CommittedFrames> FramesInPlace(const PlannedJob& job, bool workers_are_here) const;
   void Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags, CommittedFrames committed);
 
   void Dispatch(const Event& event);
@@ -84,6 +87,7 @@ class Coordinator {
   void Do(const AcknowledgeHeartbeat& action);
   void Do(const Revoke& action);
   void Do(const Release& action);
+  void Do(const Keep& action);
   void Do(const ForgetJob& action);
   void Do(const FrameCommitted& action);
   void Do(const JobEnded& action);
@@ -111,6 +115,7 @@ class Coordinator {
   std::map<JobId, KnownJob> jobs_;
   JobHistory history_;
   std::unique_ptr<Journal> journal_;
+  std::map<JobId, v1::JobConfig> kept_configs_;  // of jobs of the history that keep their results
   std::uint64_t last_job_ = 0;
 };
 

@@ -1,5 +1,6 @@
 // How the coordinator carries out what the scheduler decides.
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "common/log/log.h"
@@ -49,6 +50,12 @@ void Coordinator::Do(const Release& action) {
   SendTo(action.worker, envelope);
 }
 
+void Coordinator::Do(const Keep& action) {
+  v1::Envelope envelope;
+  for (const ArtifactKey& key : action.keys) envelope.mutable_keep_artifacts()->add_keys(DigestBytes(key));
+  SendTo(action.worker, envelope);
+}
+
 void Coordinator::Do(const ForgetJob& action) {
   v1::Envelope envelope;
   envelope.mutable_job_ended()->set_job_id(action.job.value());
@@ -68,10 +75,18 @@ void Coordinator::Do(const JobEnded& action) {
   LogInfo("job_ended",
           {{"job", job.id.value()}, {"state", state}, {"frames", job.frames_done}, {"retries", job.retries}});
   const v1::JobStatus status = StatusToProto(job, jobs_.at(job.id).summary, now_);
-  const Status written = journal_->End(job.id, job.state, status.SerializeAsString());
+  const Status written = journal_->End(job.id, job.state, status.SerializeAsString(), job.keeps_results);
   if (!written.ok()) LogError("journal_failed", {{"job", job.id.value()}, {"reason", written.message()}});
   history_.Add(status);
+  if (job.keeps_results) kept_configs_[job.id] = std::move(jobs_.at(job.id).config);
   jobs_.erase(job.id);
+  std::vector<JobId> forgotten;
+  std::erase_if(kept_configs_, [&](const auto& entry) {
+    if (history_.Find(entry.first) != nullptr) return false;
+    forgotten.push_back(entry.first);
+    return true;
+  });
+  for (const JobId id : forgotten) Dispatch(JobForgotten{id});
 }
 
 void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }

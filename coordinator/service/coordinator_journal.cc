@@ -17,7 +17,8 @@ std::string Name(JobId id) { return "job " + std::to_string(id.value()); }
 
 // Whether what is remembered of a frame is what the job makes of it.
 bool Fits(const JobPlan& plan, int frame, const CommittedFrame& committed) {
-  return frame >= 0 && frame < plan.resolved().num_frames && committed.files.size() == plan.OutputPaths(frame).size() &&
+  return committed.bundle.has_value() == plan.keeps_results() && frame >= 0 && frame < plan.resolved().num_frames &&
+         committed.files.size() == plan.OutputPaths(frame).size() &&
          committed.picture_digests.size() == plan.resolved().views.size();
 }
 
@@ -33,7 +34,7 @@ Status Coordinator::Restore() {
       if (!restored.ok()) LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", restored.message()}});
       continue;
     }
-    const Status went_on = GoOn(job);
+    const Status went_on = GoOn(job, false);
     if (went_on.ok()) continue;
     // It cannot go on, and its submitter must hear of that.
     LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", went_on.message()}});
@@ -56,22 +57,50 @@ Status Coordinator::RestoreEnded(const JournaledJob& job) {
   if (!status.ParseFromString(job.status) || status.job_id() != job.id.value())
     return Corrupt("its status in the journal is damaged");
   history_.Add(status);
+  if (!status.keeps_results() || job.submission.empty()) return {};
+  DEPTHFARM_ASSIGN_OR_RETURN(const PlannedJob planned, PlanAgain(job));
+  DEPTHFARM_ASSIGN_OR_RETURN(const CommittedFrames committed, FramesInPlace(planned, false));
+  const ResolvedJob& resolved = planned.config.resolved;
+  JobResults results;
+  results.frames.resize(static_cast<std::size_t>(resolved.num_frames));
+  results.picture_digests.resize(results.frames.size() * resolved.views.size());
+  for (const auto& [frame, done] : committed) {
+    const auto f = static_cast<std::size_t>(frame);
+    results.frames[f] = {done.files, done.bundle};
+    std::ranges::copy(done.picture_digests,
+                      results.picture_digests.begin() + static_cast<std::ptrdiff_t>(f * resolved.views.size()));
+  }
+  kept_configs_[job.id] = ToProto(planned.config);
+  Dispatch(ResultsRestored{job.id, std::move(results)});
   return {};
 }
 
-Result<CommittedFrames> Coordinator::FramesInPlace(const PlannedJob& job) const {
+Result<PlannedJob> Coordinator::PlanAgain(const JournaledJob& job) {
+  v1::SubmitJob submission;
+  if (!submission.ParseFromString(job.submission)) return Corrupt("its submission in the journal is damaged");
+  return PlanSubmission(submission, job.id);
+}
+
+Result<CommittedFrames> Coordinator::FramesInPlace(const PlannedJob& job, bool workers_are_here) const {
   const JobId id = job.config.job;
-  DEPTHFARM_ASSIGN_OR_RETURN(const bool replaced, journal_->IsFolderOfLaterJob(id, job.config.output_dir));
-  if (replaced) return CommittedFrames();
+  if (!job.config.keeps_results) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const bool replaced, journal_->IsFolderOfLaterJob(id, job.config.output_dir));
+    if (replaced) return CommittedFrames();
+  }
   DEPTHFARM_ASSIGN_OR_RETURN(CommittedFrames frames, journal_->Frames(id));
   const JobPlan plan(job);
   const bool fit =
       std::ranges::all_of(frames, [&](const auto& frame) { return Fits(plan, frame.first, frame.second); });
   if (!fit) return Corrupt("its frames in the journal are not those of the job");
+  if (workers_are_here) {
+    std::erase_if(frames, [this](const auto& frame) {
+      return frame.second.bundle && scheduler_.HoldersOf(frame.second.bundle->key).empty();
+    });
+  }
   return frames;
 }
 
-Status Coordinator::GoOn(const JournaledJob& job) {
+Status Coordinator::GoOn(const JournaledJob& job, bool workers_are_here) {
   if (job.algorithm_version != kAlgorithmVersion) {
     return Status(ErrorCode::kIncompatible, Name(job.id) + " was begun by algorithm version " +
                                                 std::to_string(job.algorithm_version) + ", this farm has " +
@@ -84,7 +113,7 @@ Status Coordinator::GoOn(const JournaledJob& job) {
   DEPTHFARM_ASSIGN_OR_RETURN(
       std::set<std::string> tags,
       CheckTags("required tags", {submission.required_tags().begin(), submission.required_tags().end()}));
-  DEPTHFARM_ASSIGN_OR_RETURN(CommittedFrames committed, FramesInPlace(planned));
+  DEPTHFARM_ASSIGN_OR_RETURN(CommittedFrames committed, FramesInPlace(planned, workers_are_here));
   if (committed.empty()) DEPTHFARM_RETURN_IF_ERROR(journal_->ForgetFrames(job.id));
   DEPTHFARM_RETURN_IF_ERROR(journal_->Admit(job));
   Start(std::move(planned), submission, std::move(tags), std::move(committed));
@@ -103,11 +132,12 @@ Result<v1::Envelope> Coordinator::Retry(JobId id) {
   DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<JournaledJob> job, journal_->Find(id));
   if (!job) return InvalidArgument("there is no " + Name(id));
   if (job->state == JobState::kDone) return InvalidArgument(Name(id) + " is done: there is nothing to do again");
-  if (const std::optional<JobId> other = scheduler_.JobWritingTo(job->output_dir)) {
+  const std::optional<JobId> other = job->output_dir.empty() ? std::nullopt : scheduler_.JobWritingTo(job->output_dir);
+  if (other) {
     return InvalidArgument(Name(*other) + " writes to " + job->output_dir + ": wait for it, or cancel it");
   }
-  DEPTHFARM_RETURN_IF_ERROR(GoOn(*job));
-  history_.Remove(id);
+  DEPTHFARM_RETURN_IF_ERROR(GoOn(*job, true));
+  if (scheduler_.Job(id)) history_.Remove(id);
   v1::Envelope answer;
   answer.mutable_job_accepted()->set_job_id(id.value());
   return answer;

@@ -9,7 +9,15 @@ namespace {
 
 double Seconds(TimePoint::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
-v1::JobState StateToProto(JobState state) {
+// "frame 3 merge round 0 pair 1": the reader knows the job.
+std::string NameWithinJob(const TaskId& task) {
+  const std::string prefix = "job " + std::to_string(task.job.value()) + " ";
+  return TaskName(task).substr(prefix.size());
+}
+
+}  // namespace
+
+v1::JobState ToProto(JobState state) {
   switch (state) {
     case JobState::kRunning:
       return v1::JOB_STATE_RUNNING;
@@ -23,19 +31,11 @@ v1::JobState StateToProto(JobState state) {
   return v1::JOB_STATE_UNSPECIFIED;
 }
 
-// "frame 3 merge round 0 pair 1": the reader knows the job.
-std::string NameWithinJob(const TaskId& task) {
-  const std::string prefix = "job " + std::to_string(task.job.value()) + " ";
-  return TaskName(task).substr(prefix.size());
-}
-
-}  // namespace
-
 v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, TimePoint now) {
   v1::JobStatus status;
   status.set_job_id(job.id.value());
   status.set_name(job.name);
-  status.set_state(StateToProto(job.state));
+  status.set_state(ToProto(job.state));
   *status.mutable_error() = ToProto(job.error);
   status.set_frames_done(static_cast<std::uint32_t>(job.frames_done));
   status.set_frames_total(static_cast<std::uint32_t>(job.frames_total));
@@ -57,6 +57,7 @@ v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, 
   status.set_retries(job.retries);
   for (const RunningTask& task : job.running) status.add_running(NameWithinJob(task.task) + " on " + task.worker_name);
   status.set_output_dir(job.output_dir);
+  status.set_keeps_results(job.keeps_results);
   status.set_summary(summary);
   status.set_determinism_violations(job.determinism_violations);
   status.set_priority(job.priority);

@@ -9,6 +9,8 @@
 
 namespace depthfarm {
 
+[[nodiscard]] v1::JobState ToProto(JobState state);
+
 // `now` ends the elapsed time of a job that still runs.
 [[nodiscard]] v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, TimePoint now);
 // `session` may be null.

@@ -84,7 +84,12 @@ std::string SummaryOfViews(const std::vector<VirtualPicture>& views) {
 Result<PlannedJob> PlanSubmission(const v1::SubmitJob& request, JobId id) {
   DEPTHFARM_RETURN_IF_ERROR(CheckText("job name", request.name(), kMaxNameBytes));
   DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob job, request.has_render() ? PlanRendering(request) : PlanEstimation(request));
-  DEPTHFARM_ASSIGN_OR_RETURN(job.config.output_dir, OutputFolder(request.output_dir()));
+  job.config.keeps_results = request.keeps_results();
+  if (!job.config.keeps_results) {
+    DEPTHFARM_ASSIGN_OR_RETURN(job.config.output_dir, OutputFolder(request.output_dir()));
+  } else if (!request.output_dir().empty() || request.has_render()) {
+    return InvalidArgument("a job that keeps its results has no output folder and estimates depth");
+  }
   job.config.job = id;
   return job;
 }

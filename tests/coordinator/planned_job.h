@@ -17,6 +17,7 @@ struct JobShape {
   int refine = 0;
   bool confidence = false;
   Anchor anchor = Anchor::kGop;
+  bool keeps_results = false;
 };
 
 // `count` views of a camera as small as can be.
@@ -51,7 +52,8 @@ inline PlannedJob MakeRenderingJob(std::uint64_t id, int count) {
 inline PlannedJob MakePlannedJob(const JobShape& shape) {
   PlannedJob job;
   job.config.job = JobId(shape.id);
-  job.config.output_dir = "/out/" + std::to_string(shape.id);
+  job.config.keeps_results = shape.keeps_results;
+  if (!shape.keeps_results) job.config.output_dir = "/out/" + std::to_string(shape.id);
   ResolvedJob& resolved = job.config.resolved;
   resolved.params.gop = shape.gop;
   resolved.params.anchor = shape.anchor;

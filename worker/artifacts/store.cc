@@ -173,7 +173,7 @@ Status ArtifactStore::PutVerified(const ArtifactInfo& info, std::string_view art
   if (const auto other = entries_.find(key); other != entries_.end()) {
     // Stored twice at the same time: one file, the one renamed last; its digest decides which of the two it is.
     total_bytes_ -= FileBytes(other->second.info);
-    used_.erase(other->second.use);
+    OrderOf(other->second.rank).erase(other->second.use);
     entries_.erase(other);
   }
   Insert(info, true);
@@ -265,13 +265,17 @@ void ArtifactStore::Unpin(const std::vector<ArtifactKey>& keys) {
   }
 }
 
-void ArtifactStore::Release(const std::vector<ArtifactKey>& keys) {
+void ArtifactStore::Release(const std::vector<ArtifactKey>& keys) { SetRank(keys, Rank::kReleased); }
+
+void ArtifactStore::Keep(const std::vector<ArtifactKey>& keys) { SetRank(keys, Rank::kKept); }
+
+void ArtifactStore::SetRank(const std::vector<ArtifactKey>& keys, Rank rank) {
   const std::scoped_lock lock(mutex_);
   for (const ArtifactKey& key : keys) {
     const auto found = entries_.find(key);
-    if (found == entries_.end() || found->second.released) continue;
-    found->second.released = true;
-    released_.splice(released_.end(), used_, found->second.use);
+    if (found == entries_.end() || found->second.rank == rank) continue;
+    OrderOf(rank).splice(OrderOf(rank).end(), OrderOf(found->second.rank), found->second.use);
+    found->second.rank = rank;
   }
 }
 
@@ -286,12 +290,13 @@ std::vector<ArtifactKey> ArtifactStore::TakeDropped() {
 }
 
 void ArtifactStore::Insert(const ArtifactInfo& info, bool verified) {
-  Entry entry{.info = info, .verified = verified, .released = false, .use = used_.insert(used_.end(), info.key)};
+  std::list<ArtifactKey>& order = OrderOf(Rank::kUsed);
+  Entry entry{.info = info, .verified = verified, .rank = Rank::kUsed, .use = order.insert(order.end(), info.key)};
   entries_.emplace(info.key, entry);
 }
 
 void ArtifactStore::Touch(Entry& entry) {
-  std::list<ArtifactKey>& order = entry.released ? released_ : used_;
+  std::list<ArtifactKey>& order = OrderOf(entry.rank);
   order.splice(order.end(), order, entry.use);
 }
 
@@ -300,7 +305,7 @@ void ArtifactStore::Erase(const ArtifactKey& key) {
   if (found == entries_.end()) return;
   RemoveFile(PathOf(key));
   total_bytes_ -= FileBytes(found->second.info);
-  (found->second.released ? released_ : used_).erase(found->second.use);
+  OrderOf(found->second.rank).erase(found->second.use);
   entries_.erase(found);
 }
 
@@ -327,10 +332,10 @@ Status ArtifactStore::MakeRoom(std::uint64_t needed) {
 }
 
 std::optional<ArtifactKey> ArtifactStore::NextVictim() const {
-  for (const std::list<ArtifactKey>* order : {&released_, &used_}) {
+  for (const std::list<ArtifactKey>& order : orders_) {
     const auto victim =
-        std::find_if(order->begin(), order->end(), [this](const ArtifactKey& key) { return !pins_.contains(key); });
-    if (victim != order->end()) return *victim;
+        std::find_if(order.begin(), order.end(), [this](const ArtifactKey& key) { return !pins_.contains(key); });
+    if (victim != order.end()) return *victim;
   }
   return std::nullopt;
 }

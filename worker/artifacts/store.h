@@ -1,6 +1,8 @@
 #ifndef DEPTHFARM_WORKER_ARTIFACTS_STORE_H_
 #define DEPTHFARM_WORKER_ARTIFACTS_STORE_H_
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <list>
@@ -51,7 +53,8 @@ class ArtifactPins {
 //          synced to disk, since what a power cut leaves fails its digest and is made again.
 // Trust    The content digest is checked when a file is first used after a restart and at every Get; what fails it is
 //          dropped.
-// Bound    Sum of the files. The least recently used goes first, released ones before all others, pinned ones never.
+// Bound    Sum of the files. The least recently used goes first, released ones before all others, kept ones after all
+//          others, pinned ones never.
 // Threads  Every function may be called from any thread; files are read and written outside the lock.
 class ArtifactStore {
  public:
@@ -92,6 +95,8 @@ class ArtifactStore {
   void Drop(const ArtifactKey& key);
   // No task will ask for these any more: they are evicted before all others.
   void Release(const std::vector<ArtifactKey>& keys);
+  // Somebody will fetch these: they are evicted after all others, until they are released.
+  void Keep(const std::vector<ArtifactKey>& keys);
 
   // What was evicted or found corrupt since the last call, for the coordinator to forget. Not what Open dropped: nobody
   // was told of that.
@@ -99,10 +104,11 @@ class ArtifactStore {
 
  private:
   friend class ArtifactPins;
+  enum class Rank : std::uint8_t { kReleased, kUsed, kKept };  // the order of eviction
   struct Entry {
     ArtifactInfo info;
     bool verified = false;  // digest seen to be right since Open
-    bool released = false;
+    Rank rank = Rank::kUsed;
     std::list<ArtifactKey>::iterator use;  // position in the use list
   };
 
@@ -116,6 +122,8 @@ class ArtifactStore {
   // The functions below require the mutex.
   void Insert(const ArtifactInfo& info, bool verified);
   void Touch(Entry& entry);
+  void SetRank(const std::vector<ArtifactKey>& keys, Rank rank);
+  [[nodiscard]] std::list<ArtifactKey>& OrderOf(Rank rank) { return orders_[static_cast<std::size_t>(rank)]; }
   void Erase(const ArtifactKey& key);
   void Evict(const ArtifactKey& key);
   // Evicts until `needed` more bytes fit.
@@ -130,8 +138,7 @@ class ArtifactStore {
 
   mutable std::mutex mutex_;
   std::map<ArtifactKey, Entry> entries_;
-  std::list<ArtifactKey> used_;      // least recently used first
-  std::list<ArtifactKey> released_;  // same, of released artifacts
+  std::array<std::list<ArtifactKey>, 3> orders_;  // of each rank, least recently used first
   std::map<ArtifactKey, int> pins_;
   std::uint64_t total_bytes_ = 0;
   std::uint64_t next_temporary_ = 0;

@@ -24,8 +24,8 @@ namespace depthfarm {
 struct TaskOutcome {
   Status status;
   std::optional<ArtifactKey> output_key;        // Analyse: the name it found
-  std::optional<ArtifactInfo> artifact;         // Analyse, Estimate, Merge, Refine, Assess; in the store
-  std::vector<OutputFile> files;                // Emit, Render: written into the staging folder
+  std::optional<ArtifactInfo> artifact;         // of tasks that make one; in the store
+  std::vector<OutputFile> files;                // Emit, Render: written into the staging folder, or in the artifact
   std::optional<ContentDigest> picture_digest;  // Analyse
   std::vector<ArtifactKey> missing_inputs;      // inputs that could be had nowhere (kUnavailable)
   TaskStats stats;
@@ -49,6 +49,11 @@ class TaskExecutor {
 
  private:
   struct Task;
+  // The files of a task, in their order.
+  struct MadeFiles {
+    std::vector<OutputFile> files;
+    std::vector<std::string> contents;  // of each, when the job keeps its results; else they are staged
+  };
 
   [[nodiscard]] Status Run(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Analyse(const Task& task, TaskOutcome& outcome);
@@ -63,16 +68,20 @@ class TaskExecutor {
   [[nodiscard]] static Status Render(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Commit(const Task& task);
   [[nodiscard]] Status Manifest(const Task& task);
-  [[nodiscard]] Status EmitRefined(const Task& task, TaskOutcome& outcome) const;
-  [[nodiscard]] Status EmitLabels(const Task& task, TaskOutcome& outcome) const;
-  // Emits the files of each view into an outcome of its own, views on several threads, and lists them in their order.
-  using EmitOne = std::function<Status(std::size_t view, TaskOutcome& of_view)>;
-  [[nodiscard]] Status EmitViews(const Task& task, const EmitOne& emit, TaskOutcome& outcome) const;
-  // Writes a file of the attempt.
-  [[nodiscard]] static Status Stage(const Task& task, std::string path, const std::string& bytes, TaskOutcome& outcome);
+  [[nodiscard]] Status EmitRefined(const Task& task, MadeFiles& made) const;
+  [[nodiscard]] Status EmitLabels(const Task& task, MadeFiles& made) const;
+  // Of a job that keeps its results: the frame's files that are in the store already.
+  [[nodiscard]] bool ReuseFiles(const Task& task, TaskOutcome& outcome);
+  // The files of a frame as one artifact.
+  [[nodiscard]] Status StoreFiles(const Task& task, const MadeFiles& made, TaskOutcome& outcome);
+  // Emits the files of each view, views on several threads, and lists them in their order.
+  using EmitOne = std::function<Status(std::size_t view, MadeFiles& of_view)>;
+  [[nodiscard]] Status EmitViews(const Task& task, const EmitOne& emit, MadeFiles& made) const;
+  // Writes a file of the attempt, or keeps it.
+  [[nodiscard]] static Status Stage(const Task& task, std::string path, std::string bytes, MadeFiles& made);
   // A map of a camera as a 16-bit PNG.
   [[nodiscard]] static Status EmitMap(const Task& task, const std::string& camera, const std::string& path,
-                                      const Grid<std::uint16_t>& codes, TaskOutcome& outcome);
+                                      const Grid<std::uint16_t>& codes, MadeFiles& made);
   // Whether the artifact (T: LabelField, RefinedView, ConfidenceMap) that the task is to make is here already.
   template <typename T>
   [[nodiscard]] bool Reuse(const Task& task, TaskOutcome& outcome);

@@ -71,13 +71,26 @@ v1::Envelope GoodbyeMessage() {
   return message;
 }
 
-Result<std::vector<ArtifactKey>> KeysOf(const v1::ReleaseArtifacts& release) {
+namespace {
+
+Result<std::vector<ArtifactKey>> KeysFromProto(const char* field,
+                                               const google::protobuf::RepeatedPtrField<std::string>& all) {
   std::vector<ArtifactKey> keys;
-  for (const std::string& bytes : release.keys()) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const ArtifactKey key, DigestFromBytes("release_artifacts.keys", bytes));
+  for (const std::string& bytes : all) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const ArtifactKey key, DigestFromBytes(field, bytes));
     keys.push_back(key);
   }
   return keys;
+}
+
+}  // namespace
+
+Result<std::vector<ArtifactKey>> KeysOf(const v1::ReleaseArtifacts& release) {
+  return KeysFromProto("release_artifacts.keys", release.keys());
+}
+
+Result<std::vector<ArtifactKey>> KeysOf(const v1::KeepArtifacts& keep) {
+  return KeysFromProto("keep_artifacts.keys", keep.keys());
 }
 
 }  // namespace depthfarm

@@ -35,6 +35,7 @@ struct WorkerIdentity {
 
 // Coordinator -> worker: 32-byte keys; others are an error.
 [[nodiscard]] Result<std::vector<ArtifactKey>> KeysOf(const v1::ReleaseArtifacts& release);
+[[nodiscard]] Result<std::vector<ArtifactKey>> KeysOf(const v1::KeepArtifacts& keep);
 
 }  // namespace depthfarm
 

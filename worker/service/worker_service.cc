@@ -214,6 +214,15 @@ void WorkerService::OnMessage(const v1::Envelope& message) {
       }
       return;
     }
+    case v1::Envelope::kKeepArtifacts: {
+      const Result<std::vector<ArtifactKey>> keys = KeysOf(message.keep_artifacts());
+      if (keys.ok()) {
+        store_->Keep(*keys);
+      } else {
+        LogWarning("message_refused", {{"reason", keys.status().message()}});
+      }
+      return;
+    }
     case v1::Envelope::kJobEnded:
       jobs_.erase(JobId(message.job_ended().job_id()));
       return;

@@ -76,8 +76,9 @@ TEST(FarmKeys, CreatedOnesServeAllThreePrograms) {
   EXPECT_EQ(client->coordinator_public_key, coordinator->own.public_key);
   EXPECT_EQ(RoleOfUser(coordinator->allowed.at(worker->own.public_key)).value(), Role::kWork);
   EXPECT_EQ(RoleOfUser(coordinator->allowed.at(client->own.public_key)).value(), Role::kAdmin);
-  EXPECT_EQ(worker->allowed_peers.size(), 1U);
+  EXPECT_EQ(worker->allowed_peers.size(), 2U);
   EXPECT_TRUE(worker->allowed_peers.contains(worker->own.public_key));
+  EXPECT_TRUE(worker->allowed_peers.contains(client->own.public_key));
   EXPECT_EQ(CreateFarmKeys(dir).code(), ErrorCode::kInvalidArgument);
 }
 

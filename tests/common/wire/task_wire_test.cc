@@ -131,5 +131,18 @@ TEST(TaskStatsWire, EveryFieldComesBackAndNonsenseCountsNothing) {
   EXPECT_EQ(FromProto(hostile), TaskStats());
 }
 
+TEST(TaskSpecWire, EmitHasAStagingFolderOrAnOutputKey) {
+  TaskSpec emit;
+  emit.id = {JobId(3), 2, TaskKind::kEmit, 0, 0};
+  emit.staging = "f2-a1-l5";
+  EXPECT_EQ(FromProto(ToProto(emit)).value(), emit);
+  emit.output_key = Digest(4);
+  EXPECT_FALSE(FromProto(ToProto(emit)).ok());
+  emit.staging.clear();
+  EXPECT_EQ(FromProto(ToProto(emit)).value(), emit);
+  emit.output_key.reset();
+  EXPECT_FALSE(FromProto(ToProto(emit)).ok());
+}
+
 }  // namespace
 }  // namespace depthfarm

@@ -8,7 +8,9 @@ namespace depthfarm {
 namespace {
 
 CommittedFrame SomeFrame() {
-  return {{{Sha256("a"), 1}, {Sha256("b"), std::uint64_t{1} << 40}}, {Sha256("p"), Sha256("q"), Sha256("r")}};
+  return {{{Sha256("a"), 1}, {Sha256("b"), std::uint64_t{1} << 40}},
+          {Sha256("p"), Sha256("q"), Sha256("r")},
+          ArtifactInfo{Sha256("k"), 77, Sha256("c")}};
 }
 
 TEST(FrameCodec, GivesBackWhatWasWritten) {

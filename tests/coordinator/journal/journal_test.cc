@@ -83,6 +83,14 @@ TEST_F(JournalTest, AJobThatIsDoneNeedsItsFramesNoMore) {
   EXPECT_TRUE(journal_->Frames(JobId(1)).value().empty());
 }
 
+TEST_F(JournalTest, ResultsThatWorkersKeepCanBeFoundLater) {
+  Admit(1);
+  ASSERT_TRUE(journal_->Commit(JobId(1), 0, FrameOf("zero")).ok());
+  ASSERT_TRUE(journal_->End(JobId(1), JobState::kDone, "ended", true).ok());
+  EXPECT_EQ(journal_->Find(JobId(1)).value()->submission, "job 1");
+  EXPECT_EQ(journal_->Frames(JobId(1)).value().size(), 1U);
+}
+
 TEST_F(JournalTest, AJobThatFailedMayGoOn) {
   Admit(1);
   ASSERT_TRUE(journal_->Commit(JobId(1), 0, FrameOf("zero")).ok());

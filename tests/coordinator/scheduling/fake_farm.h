@@ -32,9 +32,7 @@ class FakeFarm {
 
   void Submit(const PlannedJob& job, int priority = 0, const std::set<std::string>& tags = {});
   // On a farm that remembers these frames of it.
-  void Resume(const PlannedJob& job, const CommittedFrames& frames) {
-    Send(JobSubmitted{job, "job", 0, {}, frames});
-  }
+  void Resume(const PlannedJob& job, const CommittedFrames& frames) { Send(JobSubmitted{job, "job", 0, {}, frames}); }
   void Cancel(std::uint64_t job) { Send(JobCancelled{JobId(job)}); }
 
   WorkerId Join(int slots = 1, int ahead = 0);  // a new worker, which does not ask yet
@@ -75,6 +73,7 @@ class FakeFarm {
   std::vector<Grant> grants;
   std::vector<Revoke> revokes;
   std::vector<Release> releases;
+  std::vector<Keep> keeps;
   std::map<JobId, JobSnapshot> ended;
   std::set<WorkerId> told_to_end;
   std::vector<Note> notes;
@@ -87,6 +86,7 @@ class FakeFarm {
   void Apply(const AcknowledgeHeartbeat& answer);
   void Apply(const Revoke& revoke);
   void Apply(const Release& release) { releases.push_back(release); }
+  void Apply(const Keep& keep) { keeps.push_back(keep); }
   void Apply(const ForgetJob&) {}
   void Apply(const JobEnded& event);
   void Apply(const FrameCommitted& event) { committed[event.job][event.frame] = event.committed; }

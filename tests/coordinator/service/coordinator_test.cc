@@ -205,5 +205,54 @@ TEST(CoordinatorOptions, NameTheValueAndTheBound) {
   EXPECT_NE(message({.endpoint = "tcp://127.0.0.1:*", .keys_dir = "/nowhere"}).find("/nowhere"), std::string::npos);
 }
 
+TEST(Coordinator, TellsWhereTheResultsOfAJobAre) {
+  const TemporaryFolder folder;
+  CoordinatorOptions options = On(folder);
+  options.kept_jobs = 2;
+  RunningCoordinator coordinator(options);
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  worker.Ask();
+  v1::Envelope submit = SubmitRequest(4, "");
+  submit.mutable_submit_job()->set_keeps_results(true);
+  ASSERT_EQ(client.Call(submit).job_accepted().job_id(), 1U);
+  EXPECT_EQ(worker.WorkUntilJobEnds(), 4 * 13);
+  EXPECT_TRUE(client.Call(StatusRequest(1)).job_status().keeps_results());
+
+  v1::Envelope request;
+  request.mutable_get_results()->set_job_id(1);
+  const v1::Envelope answer = client.Call(request);
+  const v1::Results& results = answer.results();
+  EXPECT_EQ(results.state(), v1::JOB_STATE_DONE);
+  EXPECT_TRUE(results.job().keeps_results());
+  EXPECT_EQ(results.num_frames(), 4U);
+  EXPECT_EQ(results.next_frame(), 4U);
+  ASSERT_EQ(results.frames_size(), 4);
+  EXPECT_EQ(results.frames(2).frame(), 2U);
+  EXPECT_EQ(results.frames(2).files_size(), 3);
+  EXPECT_EQ(results.frames(2).picture_digests_size(), 3);
+  ASSERT_EQ(results.frames(2).locations_size(), 1);
+  EXPECT_EQ(results.frames(2).locations(0).endpoint(), "ipc:///nowhere/w1");
+  request.mutable_get_results()->set_first_frame(3);
+  const v1::Envelope rest = client.Call(request);
+  EXPECT_EQ(rest.results().frames_size(), 1);
+  EXPECT_FALSE(rest.results().has_job());
+  request.mutable_get_results()->set_first_frame(4'000'000'000U);
+  EXPECT_EQ(client.Call(request).results().frames_size(), 0);
+
+  for (const char* dir : {"/out/a", "/out/b"}) {
+    ASSERT_TRUE(client.Call(SubmitRequest(1, dir)).has_job_accepted());
+    (void)worker.WorkUntilJobEnds();
+  }
+  request.mutable_get_results()->set_job_id(2);
+  EXPECT_NE(client.Call(request).error().message().find("writes to /out/a"), std::string::npos);
+  request.mutable_get_results()->set_job_id(1);  // forgotten: two jobs have ended since
+  EXPECT_EQ(client.Call(request).error().message(), "there is no job 1");
+  const v1::Envelope release = worker.peer.Await(v1::Envelope::kReleaseArtifacts);
+  EXPECT_GT(release.release_artifacts().keys_size(), 0);
+}
+
 }  // namespace
 }  // namespace depthfarm

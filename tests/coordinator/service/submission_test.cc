@@ -84,5 +84,17 @@ TEST(Submission, OutputFoldersHaveOneSpelling) {
   }
 }
 
+TEST(Submission, AJobThatKeepsItsResultsHasNoFolder) {
+  v1::Envelope request = SubmitRequest(2, "");
+  EXPECT_FALSE(Plan(request).ok());
+  request.mutable_submit_job()->set_keeps_results(true);
+  const Result<PlannedJob> job = Plan(request);
+  ASSERT_TRUE(job.ok()) << job.status().message();
+  EXPECT_TRUE(job->config.keeps_results);
+  EXPECT_EQ(job->config.output_dir, "");
+  request.mutable_submit_job()->set_output_dir("/out");
+  EXPECT_EQ(Plan(request).status().code(), ErrorCode::kInvalidArgument);
+}
+
 }  // namespace
 }  // namespace depthfarm

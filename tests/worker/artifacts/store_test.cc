@@ -202,6 +202,22 @@ TEST_F(ArtifactStoreTest, EvictsReleasedArtifactsFirst) {
   EXPECT_THAT(Keys(*store_), ElementsAre(Key(1), Key(2), Key(4)));
 }
 
+TEST_F(ArtifactStoreTest, EvictsKeptArtifactsLast) {
+  Open(RoomFor(3, 4));
+  for (int i = 1; i <= 3; ++i) ASSERT_TRUE(store_->Put(Key(i), "data").ok());
+  store_->Keep({Key(1), Key(2), Key(9)});
+  ASSERT_TRUE(store_->Put(Key(4), "data").ok());
+  EXPECT_THAT(Keys(*store_), ElementsAre(Key(1), Key(2), Key(4)));
+  store_->Keep({Key(4)});
+  ASSERT_TRUE(store_->Put(Key(5), "data").ok());
+  EXPECT_THAT(Keys(*store_), ElementsAre(Key(2), Key(4), Key(5))) << "the least recently used of those that are kept";
+  store_->Release({Key(4)});
+  ASSERT_TRUE(store_->Put(Key(6), "data").ok());
+  EXPECT_THAT(Keys(*store_), ElementsAre(Key(2), Key(5), Key(6)));
+  ASSERT_TRUE(store_->Put(Key(2), "more").ok());  // replaced, and counted once
+  EXPECT_EQ(store_->Get(Key(2)).value(), "more");
+}
+
 TEST_F(ArtifactStoreTest, NeverEvictsWhatIsPinned) {
   Open(RoomFor(2, 4));
   ArtifactPins pins = store_->Pin({Key(1), Key(2), Key(1)});  // before they are stored

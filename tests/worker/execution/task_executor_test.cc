@@ -12,6 +12,7 @@
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
+#include "common/files/file_bundle.h"
 #include "common/media/depth_file.h"
 #include "common/media/grey_picture.h"
 #include "common/media/pfm.h"
@@ -551,6 +552,43 @@ TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {
   moved.camera.name = "elsewhere";
   moved.camera.cam_from_world_translation.x() += 1;
   EXPECT_EQ(AnalysisKey(moved, changed, digest), keys[0]);
+}
+
+TEST(TaskExecutor, AJobThatKeepsItsResultsMakesTheSameFilesAsOneArtifact) {
+  SmallJob job;
+  job.config.resolved.params.confidence = true;
+  TestWorker worker;
+  const Status status = job.RunOn({&worker});
+  ASSERT_TRUE(status.ok()) << status.message();
+
+  JobConfig kept = job.config;
+  kept.output_dir.clear();
+  kept.keeps_results = true;
+  TaskSpec emit = job.Emit(1);
+  EXPECT_EQ(worker.Execute(emit, kept).status.code(), ErrorCode::kInvalidArgument) << "it has a staging folder";
+  emit.staging.clear();
+  emit.output_key = ArtifactKey{7};
+  EXPECT_EQ(worker.Execute(emit, job.config).status.code(), ErrorCode::kInvalidArgument) << "it has none";
+  const TaskOutcome made = worker.Execute(emit, kept);
+  ASSERT_TRUE(made.status.ok()) << made.status.message();
+  ASSERT_TRUE(made.artifact.has_value());
+  EXPECT_FALSE(made.stats.reused);
+  const std::string bundle = worker.store->Get(ArtifactKey{7}).value();
+  const std::vector<BundledFile> files = DecodeFileBundle(bundle).value();
+  ASSERT_THAT(files, SizeIs(6));
+  ASSERT_THAT(made.files, SizeIs(6));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string path(files[i].path);
+    EXPECT_EQ(files[i].bytes, ReadFileBytes((job.output() / path).string(), 1 << 20).value()) << path;
+    EXPECT_EQ(made.files[i], (OutputFile{path, Sha256(files[i].bytes), files[i].bytes.size()}));
+  }
+  EXPECT_EQ(files[3].path, "confidence/cam0/0006.png");
+
+  const TaskOutcome again = worker.Execute(emit, kept);
+  ASSERT_TRUE(again.status.ok()) << again.status.message();
+  EXPECT_TRUE(again.stats.reused);
+  EXPECT_EQ(again.files, made.files);
+  EXPECT_EQ(again.artifact, made.artifact);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "worker/execution/job_manifest.h"
+#include "common/job/job_manifest.h"
 
 #include <cstdint>
 #include <string>
@@ -69,6 +69,15 @@ Status AddFile(const OutputFile& file, const std::string& expected, std::vector<
 }
 
 }  // namespace
+
+std::vector<std::string> FilesOfFrame(const ResolvedJob& job, int frame) {
+  const int in_sequence = job.params.first_frame + frame;
+  std::vector<std::string> paths;
+  for (const JobView& view : job.views) paths.push_back(DepthFileName(view.camera.name, in_sequence));
+  if (!job.params.confidence) return paths;
+  for (const JobView& view : job.views) paths.push_back(ConfidenceFileName(view.camera.name, in_sequence));
+  return paths;
+}
 
 Result<DepthManifest> ManifestOf(const JobConfig& config, const std::vector<OutputFile>& files,
                                  const std::vector<ContentDigest>& picture_digests) {

@@ -1,6 +1,7 @@
-#ifndef DEPTHFARM_WORKER_EXECUTION_JOB_MANIFEST_H_
-#define DEPTHFARM_WORKER_EXECUTION_JOB_MANIFEST_H_
+#ifndef DEPTHFARM_COMMON_JOB_JOB_MANIFEST_H_
+#define DEPTHFARM_COMMON_JOB_JOB_MANIFEST_H_
 
+#include <string>
 #include <vector>
 
 #include "common/base/status.h"
@@ -8,6 +9,10 @@
 #include "common/sequence/depth_manifest.h"
 
 namespace depthfarm {
+
+// The files of a frame of a job that estimates depth, relative to its output folder: the depth of each view, then the
+// confidence of each where it is asked for. Numbers are the frame's position in the sequence, of four digits or more.
+[[nodiscard]] std::vector<std::string> FilesOfFrame(const ResolvedJob& job, int frame);
 
 // depth.json of a job from its depth files and the digests of its pictures, both by frame, then view. A function of the
 // job alone: nothing of when, where and by how many workers it was run. kInvalidArgument when the lists are not frames
@@ -17,4 +22,4 @@ namespace depthfarm {
 
 }  // namespace depthfarm
 
-#endif  // DEPTHFARM_WORKER_EXECUTION_JOB_MANIFEST_H_
+#endif  // DEPTHFARM_COMMON_JOB_JOB_MANIFEST_H_
