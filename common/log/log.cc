@@ -9,6 +9,8 @@
 #include <memory>
 #include <utility>
 
+#include "common/log/log_collector.h"
+
 namespace depthfarm {
 namespace {
 
@@ -89,6 +91,9 @@ std::string FormatLogLine(std::string_view event, std::span<const LogField> fiel
 }
 
 void Log(LogLevel level, std::string_view event, std::span<const LogField> fields) {
+  LogCollector* collector = level < LogLevel::kWarning ? nullptr : LogCollector::OfThread();
+  if (collector != nullptr)
+    collector->Add((level == LogLevel::kError ? "error " : "warning ") + FormatLogLine(event, fields));
   if (!Logger().should_log(LibraryLevel(level))) return;
   Logger().log(LibraryLevel(level), FormatLogLine(event, fields));
 }
