@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/log/log.h"
+#include "common/log/log_collector.h"
 #include "common/wire/bounds.h"
 #include "worker/service/worker_service.h"
 
@@ -189,5 +190,6 @@ int main(int argc, char** argv) {
   if (give_up_seconds > 0) options.give_up = Milliseconds(static_cast<std::int64_t>(give_up_seconds * 1000));
   const Status level = SetLogLevel(log_level);
   if (!level.ok()) return Fail(level, kExitBadUsage);
+  CaptureStandardError();
   return RunWorker(options);
 }

@@ -117,6 +117,13 @@ struct TaskStats {
   bool operator==(const TaskStats&) const = default;
 };
 
+// What was logged while a task ran, for people: the last lines, each valid UTF-8 without control characters.
+struct TaskLog {
+  std::vector<std::string> lines;  // oldest first
+  std::uint64_t left_out = 0;      // lines before those
+  bool operator==(const TaskLog&) const = default;
+};
+
 // What the tasks of a job have in common. A job estimates depth, or it renders views from depth that is there; then
 // `resolved` has no cameras, and its frames are the parts of the job.
 struct JobConfig {

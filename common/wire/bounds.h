@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_COMMON_WIRE_BOUNDS_H_
 #define DEPTHFARM_COMMON_WIRE_BOUNDS_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <set>
 #include <string>
@@ -22,6 +23,9 @@ inline constexpr int kMaxWorkerSlots = 1024;  // and tasks taken ahead
 inline constexpr int kMaxTags = 32;           // of a worker, or asked for by a job
 inline constexpr int kMaxTagBytes = 64;
 inline constexpr int kMaxLocations = 64;
+inline constexpr std::size_t kMaxTaskLogLines = 64;
+inline constexpr std::size_t kMaxTaskLogBytes = 16384;  // of all lines
+inline constexpr std::size_t kMaxTaskLogLineBytes = 2048;
 inline constexpr std::uint64_t kMaxArtifactBytes = std::uint64_t{1} << 36;
 
 // `value` as an int of [0, max].

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <utility>
 
+#include "common/text/clean_line.h"
 #include "common/wire/bounds.h"
 #include "common/wire/digest_wire.h"
 #include "common/wire/render_wire.h"
@@ -290,6 +291,27 @@ TaskStats FromProto(const v1::TaskStats& proto) {
   stats.segments = proto.segments();
   stats.reused = proto.reused();
   return stats;
+}
+
+v1::TaskLog ToProto(const TaskLog& log) {
+  v1::TaskLog proto;
+  for (const std::string& line : log.lines) proto.add_lines(line);
+  proto.set_left_out(log.left_out);
+  return proto;
+}
+
+TaskLog FromProto(const v1::TaskLog& proto) {
+  TaskLog log;
+  std::size_t bytes = 0;
+  for (int i = proto.lines_size(); i > 0 && log.lines.size() < kMaxTaskLogLines; --i) {
+    std::string line = CleanLine(proto.lines(i - 1), kMaxTaskLogLineBytes);
+    bytes += line.size();
+    if (bytes > kMaxTaskLogBytes) break;
+    log.lines.push_back(std::move(line));
+  }
+  std::reverse(log.lines.begin(), log.lines.end());
+  log.left_out = proto.left_out() + static_cast<std::uint64_t>(proto.lines_size()) - log.lines.size();
+  return log;
 }
 
 v1::TaskSpec ToProto(const TaskSpec& spec) {

@@ -14,6 +14,7 @@ namespace depthfarm {
 [[nodiscard]] v1::ArtifactLocation ToProto(const ArtifactLocation& location);
 [[nodiscard]] v1::OutputFile ToProto(const OutputFile& file);
 [[nodiscard]] v1::TaskStats ToProto(const TaskStats& stats);
+[[nodiscard]] v1::TaskLog ToProto(const TaskLog& log);
 [[nodiscard]] v1::TaskSpec ToProto(const TaskSpec& spec);
 
 // Everything from a peer is checked: kInvalidArgument names field, value and bound.
@@ -25,6 +26,8 @@ namespace depthfarm {
 [[nodiscard]] Result<OutputFile> FromProto(const v1::OutputFile& file);
 // Numbers that are not finite or negative become 0: statistics never fail a task.
 [[nodiscard]] TaskStats FromProto(const v1::TaskStats& stats);
+// Its last lines within the bounds, cleaned (CleanLine): a log never fails a task.
+[[nodiscard]] TaskLog FromProto(const v1::TaskLog& log);
 [[nodiscard]] Result<TaskSpec> FromProto(const v1::TaskSpec& spec);
 
 }  // namespace depthfarm

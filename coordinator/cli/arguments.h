@@ -70,6 +70,12 @@ struct WatchArguments {
   std::uint64_t job = 0;
   bool json = false;
 };
+struct LogsArguments {
+  FarmArguments farm;
+  std::uint64_t job = 0;
+  std::string task;  // empty: all
+  bool json = false;
+};
 struct JobsArguments {
   FarmArguments farm;
   bool json = false;
@@ -109,8 +115,8 @@ struct KeygenArguments {
 
 using CommandArguments =
     std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments, StatusArguments,
-                 WatchArguments, JobsArguments, CancelArguments, RetryArguments, WorkersArguments, DrainArguments,
-                 FetchArguments, VerifyArguments, KeygenArguments>;
+                 WatchArguments, LogsArguments, JobsArguments, CancelArguments, RetryArguments, WorkersArguments,
+                 DrainArguments, FetchArguments, VerifyArguments, KeygenArguments>;
 
 }  // namespace depthfarm
 

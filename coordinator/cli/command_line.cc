@@ -246,6 +246,28 @@ void DefineWatch(CLI::App& app, CommandArguments& storage) {
       "Example: depthfarm watch 3");
 }
 
+void DefineLogs(CLI::App& app, CommandArguments& storage) {
+  auto& arguments = storage.emplace<LogsArguments>();
+  AddJobId(app, arguments.job);
+  app.add_option(
+         "--task", arguments.task,
+         "Only tasks of that name, as status prints it: 'frame 3 estimate block 0'; a part of it takes all that "
+         "have it: 'frame 3', merge")
+      ->type_name("T");
+  AddFarmOptions(app, arguments.farm);
+  AddJsonFlag(app, arguments.json);
+  app.footer(
+      "Every attempt of the job's tasks in the order in which they were granted: worker, start since the job was "
+      "submitted,\n"
+      "time, memory, bytes fetched and how it ended; below it why it failed and what its worker logged meanwhile:\n"
+      "warnings, errors, and what libraries wrote to stderr, the last 64 lines. Of a job all failed attempts are kept, "
+      "and\n"
+      "the newest 10,000 of the others, as long as the farm knows the job.\n"
+      "Examples:\n"
+      "  depthfarm logs 3\n"
+      "  depthfarm logs 3 --task 'frame 12 analyse view 0' --json");
+}
+
 void DefineJobs(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<JobsArguments>();
   AddFarmOptions(app, arguments.farm);
@@ -350,6 +372,7 @@ constexpr auto kCommands = std::to_array<Command>({
     {"submit", "Hand a job to a farm; prints its number", DefineSubmit},
     {"status", "State of a job", DefineStatus},
     {"watch", "Progress of a job until it ends", DefineWatch},
+    {"logs", "What happened to a job's tasks, attempt by attempt", DefineLogs},
     {"jobs", "All jobs of a farm", DefineJobs},
     {"cancel", "End a job", DefineCancel},
     {"retry", "Let a job go on that failed or was cancelled", DefineRetry},

@@ -14,6 +14,7 @@ namespace depthfarm {
 [[nodiscard]] int Execute(const SubmitArguments& arguments);
 [[nodiscard]] int Execute(const StatusArguments& arguments);
 [[nodiscard]] int Execute(const WatchArguments& arguments);
+[[nodiscard]] int Execute(const LogsArguments& arguments);
 [[nodiscard]] int Execute(const JobsArguments& arguments);
 [[nodiscard]] int Execute(const CancelArguments& arguments);
 [[nodiscard]] int Execute(const RetryArguments& arguments);

@@ -7,6 +7,7 @@
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/interruption.h"
 #include "coordinator/cli/job_request.h"
+#include "coordinator/cli/logs_report.h"
 #include "coordinator/cli/progress.h"
 #include "coordinator/cli/report.h"
 #include "coordinator/client/client.h"
@@ -22,8 +23,17 @@ Result<std::unique_ptr<Client>> ConnectTo(const FarmArguments& farm) {
       {.timeout = std::chrono::milliseconds(std::llround(farm.timeout_seconds * 1000)), .stop = Interrupted});
 }
 
+// The command that shows what happened to a job, for the shell.
+std::string LogsCommand(const FarmArguments& farm, std::uint64_t job_id) {
+  std::string command = "depthfarm logs " + std::to_string(job_id);
+  if (farm.coordinator != FarmArguments().coordinator) command += " --coordinator " + farm.coordinator;
+  if (!farm.keys.empty()) command += " --keys " + farm.keys;
+  if (farm.insecure) command += " --insecure";
+  return command;
+}
+
 // Watches a job until it ends and prints how it ended.
-int WatchToTheEnd(Client& client, std::uint64_t job_id, bool json) {
+int WatchToTheEnd(Client& client, const FarmArguments& farm, std::uint64_t job_id, bool json) {
   ProgressLine progress;
   const Result<v1::JobStatus> last = FollowJob(client, job_id, kWatchInterval, [&](const v1::JobStatus& job) {
     progress.Show("job " + std::to_string(job_id) + ": " + FormatProgress(job));
@@ -31,7 +41,9 @@ int WatchToTheEnd(Client& client, std::uint64_t job_id, bool json) {
   });
   progress.Finish();
   if (!last.ok()) return FailAsking(last.status());
-  std::cout << (json ? JobToJson(*last).dump(2) + "\n" : FormatJob(*last));
+  std::cout << (json ? JobToJson(*last).dump(2) + "\n" : FormatJob(*last)) << std::flush;
+  if (last->state() == v1::JOB_STATE_FAILED)
+    std::cerr << "what happened to its tasks: " << LogsCommand(farm, job_id) << "\n";
   return ExitCodeOfJob(*last);
 }
 
@@ -63,7 +75,7 @@ int Execute(const SubmitArguments& arguments) {
                                                                .priority = arguments.priority,
                                                                .required_tags = arguments.required_tags});
   if (!job_id.ok()) return FailAsking(job_id.status());
-  if (arguments.wait) return WatchToTheEnd(*client.value(), *job_id, arguments.json);
+  if (arguments.wait) return WatchToTheEnd(*client.value(), arguments.farm, *job_id, arguments.json);
   if (arguments.json) {
     std::cout << nlohmann::ordered_json{{"job", *job_id}}.dump() << "\n";
   } else {
@@ -86,7 +98,17 @@ int Execute(const WatchArguments& arguments) {
   CatchInterruptions();
   const Result<std::unique_ptr<Client>> client = ConnectTo(arguments.farm);
   if (!client.ok()) return FailAsking(client.status());
-  return WatchToTheEnd(*client.value(), arguments.job, arguments.json);
+  return WatchToTheEnd(*client.value(), arguments.farm, arguments.job, arguments.json);
+}
+
+int Execute(const LogsArguments& arguments) {
+  CatchInterruptions();
+  const Result<std::unique_ptr<Client>> client = ConnectTo(arguments.farm);
+  if (!client.ok()) return FailAsking(client.status());
+  const Result<v1::JobLogs> logs = client.value()->GetLogs(arguments.job, arguments.task);
+  if (!logs.ok()) return FailAsking(logs.status());
+  std::cout << (arguments.json ? LogsToJson(*logs).dump(2) + "\n" : FormatLogs(*logs));
+  return kExitOk;
 }
 
 int Execute(const JobsArguments& arguments) {

@@ -117,6 +117,25 @@ Result<std::vector<v1::JobStatus>> Client::ListJobs() {
   return ToVector(answer.job_list().jobs());
 }
 
+Result<v1::JobLogs> Client::GetLogs(std::uint64_t job_id, const std::string& task) {
+  v1::JobLogs logs;
+  std::uint64_t after = 0;
+  while (true) {
+    v1::Envelope question;
+    v1::GetJobLogs& ask = *question.mutable_get_job_logs();
+    ask.set_job_id(job_id);
+    ask.set_task(task);
+    ask.set_after(after);
+    DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobLogs));
+    logs.MergeFrom(answer.job_logs());
+    logs.set_next(0);
+    const std::uint64_t next = answer.job_logs().next();
+    if (next == 0) return logs;
+    if (next <= after) return Corrupt("coordinator " + endpoint_ + " answered with the same logs again");
+    after = next;
+  }
+}
+
 Status Client::Cancel(std::uint64_t job_id) {
   v1::Envelope question;
   question.mutable_cancel_job()->set_job_id(job_id);

@@ -59,6 +59,24 @@ struct FrameCommitted {
 struct JobEnded {
   JobSnapshot job;
 };
+// How one attempt of a task ended.
+enum class AttemptOutcome {
+  kRunning,  // it did not end yet
+  kDone,     // by computing
+  kReused,   // done: its worker had the artifact already
+  kFailed,
+  kGivenBack,  // not begun, or its worker left: nobody's failure
+  kRevoked,    // its job ended
+  kExpired,
+  kWorkerLost,
+};
+// The lease is over, or its result is not wanted any more; comes once for each Grant.
+struct AttemptEnded {
+  LeaseId lease;
+  TaskId task;
+  AttemptOutcome outcome = AttemptOutcome::kDone;
+  Status error;  // of kFailed
+};
 // The worker was silent for a lease: it is out until it says Hello again.
 struct WorkerLost {
   WorkerId worker;
@@ -77,7 +95,7 @@ struct Note {
 };
 
 using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, Keep, ForgetJob, FrameCommitted, JobEnded,
-                            WorkerLost, EndWorker, Note>;
+                            AttemptEnded, WorkerLost, EndWorker, Note>;
 
 }  // namespace depthfarm
 

@@ -41,6 +41,7 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
     AddNote(Note::Severity::kWarning, "lease_expired",
             {{"task", TaskName(lease.task)}, {"lease", Number(id.value())}, {"worker", Number(lease.worker.value())}});
     Add(Revoke{lease.worker, id});
+    AddEnd(id, lease.task, AttemptOutcome::kExpired);
     CountFailure(lease.task, lease.worker, {ErrorCode::kLeaseExpired, "the lease ran out"});
   }
   Advance();
@@ -63,6 +64,7 @@ void Scheduler::On(const WorkerJoined& event) {
     const Lease ended = lease;
     workers_.EndLease(id);
     JobRecord* job = FindJob(ended.task.job);
+    if (!ended.revoked) AddEnd(id, ended.task, AttemptOutcome::kGivenBack);
     if (!ended.revoked && job != nullptr) job->progress->PutBack(ended.task);  // the grant never arrived
   }
   for (const LeaseId id : running) {
@@ -144,8 +146,12 @@ void Scheduler::On(const TaskFinished& event) {
   // Whosever result it is, the artifact is there now.
   if (event.artifact) AddArtifact(event.worker, *event.artifact, event.task.job, TaskName(event.task));
   const std::optional<Lease> lease = EndLeaseOf(event.worker, event.lease, event.task);
+  if (!lease) return;
   JobRecord* job = FindJob(event.task.job);
-  if (!lease || job == nullptr || job->progress->Find(event.task) == nullptr) return;
+  if (job == nullptr || job->progress->Find(event.task) == nullptr) {  // its frame was committed meanwhile
+    AddEnd(event.lease, event.task, AttemptOutcome::kDone);
+    return;
+  }
   ++worker->tasks_done;
   TaskDone(*job, event, *lease);
 }
@@ -155,16 +161,19 @@ void Scheduler::On(const TaskFailed& event) {
   if (worker == nullptr) return;
   worker->last_heard = now_;
   const std::optional<Lease> lease = EndLeaseOf(event.worker, event.lease, event.task);
-  JobRecord* job = FindJob(event.task.job);
-  if (!lease || job == nullptr || job->progress->Find(event.task) == nullptr) return;
+  if (!lease) return;
   const ErrorCode code = event.error.code();
+  const bool given_back = code == ErrorCode::kLeaseExpired || code == ErrorCode::kCancelled;
+  AddEnd(event.lease, event.task, given_back ? AttemptOutcome::kGivenBack : AttemptOutcome::kFailed, event.error);
+  JobRecord* job = FindJob(event.task.job);
+  if (job == nullptr || job->progress->Find(event.task) == nullptr) return;
   AddNote(Note::Severity::kWarning, "task_failed",
           {{"task", TaskName(event.task)},
            {"lease", Number(event.lease.value())},
            {"worker", worker->name},
            {"code", std::string(ErrorCodeName(code))},
            {"reason", event.error.message()}});
-  if (code == ErrorCode::kLeaseExpired || code == ErrorCode::kCancelled) {
+  if (given_back) {
     job->progress->PutBack(event.task);  // not begun, or given up by a worker that leaves: nobody's failure
   } else if (code == ErrorCode::kInvalidArgument && event.task.kind != TaskKind::kCleanup) {
     EndJobBadly(event.task.job, JobState::kFailed, event.error.WithContext(TaskName(event.task)));
@@ -217,7 +226,9 @@ void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
     JobRecord* job = FindJob(lease.task.job);
     const bool begun = computing < slots;
     computing += lease.revoked ? 0 : 1;
-    if (lease.revoked || job == nullptr) continue;
+    if (lease.revoked) continue;
+    AddEnd(lease_id, lease.task, lost != nullptr && begun ? AttemptOutcome::kWorkerLost : AttemptOutcome::kGivenBack);
+    if (job == nullptr) continue;
     if (lost == nullptr || !begun) {
       job->progress->PutBack(lease.task);
     } else {
@@ -288,6 +299,10 @@ std::vector<WorkerSnapshot> Scheduler::Workers() const {
 }
 
 void Scheduler::Add(Action action) { actions_.push_back(std::move(action)); }
+
+void Scheduler::AddEnd(LeaseId lease, const TaskId& task, AttemptOutcome outcome, const Status& error) {
+  Add(AttemptEnded{lease, task, outcome, error});
+}
 
 void Scheduler::AddNote(Note::Severity severity, std::string event,
                         std::vector<std::pair<std::string, std::string>> fields) {

@@ -155,6 +155,7 @@ class Scheduler {
   void Advance();
 
   void Add(Action action);
+  void AddEnd(LeaseId lease, const TaskId& task, AttemptOutcome outcome, const Status& error = {});
   void AddNote(Note::Severity severity, std::string event, std::vector<std::pair<std::string, std::string>> fields);
 
   const SchedulerOptions options_;

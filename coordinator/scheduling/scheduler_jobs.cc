@@ -39,9 +39,11 @@ void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease&
   const std::vector<ArtifactInfo> inputs = job.progress->InputsOf(event.task);
   Result<bool> changed_content = job.progress->Finish(event);
   if (!changed_content.ok()) {
+    AddEnd(event.lease, event.task, AttemptOutcome::kFailed, changed_content.status());
     CountFailure(event.task, event.worker, changed_content.status());
     return;
   }
+  AddEnd(event.lease, event.task, event.stats.reused ? AttemptOutcome::kReused : AttemptOutcome::kDone);
   if (event.task.kind == TaskKind::kAnalyse && lease.work) analyses_.Remember(*lease.work, event.artifact->key);
   if (*changed_content) AddViolation(event.task.job, event.artifact->key, TaskName(event.task));
   // What a worker has read it holds, until it says otherwise (PROTOCOL.md).
@@ -119,7 +121,9 @@ void Scheduler::EndJobBadly(JobId id, JobState state, const Status& error) {
   }
   for (const LeaseId lease_id : leases) {
     workers_.Revoke(lease_id);
-    Add(Revoke{workers_.FindLease(lease_id)->worker, lease_id});
+    const Lease& lease = *workers_.FindLease(lease_id);
+    Add(Revoke{lease.worker, lease_id});
+    AddEnd(lease_id, lease.task, AttemptOutcome::kRevoked);
   }
   job->progress->Abandon();
   ReleaseArtifactsOf(*job);
@@ -213,12 +217,13 @@ void Scheduler::EndJob(JobId id, JobState state) {
   JobRecord& job = jobs_.at(id);
   job.progress->Abandon();
   ReleaseArtifactsOf(job);
-  std::vector<std::pair<LeaseId, WorkerId>> leases;
+  std::vector<std::pair<LeaseId, Lease>> leases;
   for (const auto& [lease_id, lease] : workers_.leases()) {
-    if (lease.task.job == id) leases.emplace_back(lease_id, lease.worker);
+    if (lease.task.job == id) leases.emplace_back(lease_id, lease);
   }
-  for (const auto& [lease_id, worker] : leases) {
-    Add(Revoke{worker, lease_id});
+  for (const auto& [lease_id, lease] : leases) {
+    Add(Revoke{lease.worker, lease_id});
+    if (!lease.revoked) AddEnd(lease_id, lease.task, AttemptOutcome::kRevoked);
     workers_.EndLease(lease_id);
   }
   for (auto& [worker_id, worker] : workers_.workers()) {

@@ -14,6 +14,7 @@
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
+#include "coordinator/service/logs_wire.h"
 #include "coordinator/service/results_page.h"
 #include "coordinator/service/status_wire.h"
 #include "coordinator/service/submission.h"
@@ -287,6 +288,7 @@ void Coordinator::HandleTaskFinished(WorkerId worker, const v1::TaskFinished& me
   }
   const LeaseId lease(message.lease_id());
   const Status error = FromProto(message.error());
+  attempts_.Report(worker, lease, *task, FromProto(message.stats()), FromProto(message.log()));
   if (!error.ok()) {
     Dispatch(TaskFailed{worker, lease, *task, error, KeysFromProto(message.missing_inputs())});
     return;
@@ -317,6 +319,8 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
       return ListJobs();
     case v1::Envelope::kGetJobStatus:
       return StatusOf(JobId(request.get_job_status().job_id()));
+    case v1::Envelope::kGetJobLogs:
+      return LogsOf(request.get_job_logs());
     case v1::Envelope::kRetryJob:
       return Retry(JobId(request.retry_job().job_id()));
     case v1::Envelope::kGetResults:
@@ -404,6 +408,16 @@ Result<v1::Envelope> Coordinator::ResultsOf(const v1::GetResults& request) const
   page.set_state(job.state());
   *page.mutable_error() = job.error();
   if (request.first_frame() == 0) *page.mutable_job() = running != jobs_.end() ? running->second.config : kept->second;
+  return answer;
+}
+
+Result<v1::Envelope> Coordinator::LogsOf(const v1::GetJobLogs& request) const {
+  const JobId id(request.job_id());
+  DEPTHFARM_RETURN_IF_ERROR(StatusOf(id).status());
+  const auto submitted = submitted_.find(id);
+  const TimePoint since = submitted == submitted_.end() ? now_ : submitted->second;
+  v1::Envelope answer;
+  DEPTHFARM_ASSIGN_OR_RETURN(*answer.mutable_job_logs(), LogsToProto(attempts_, request, since, now_));
   return answer;
 }
 

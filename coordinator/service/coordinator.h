@@ -18,6 +18,7 @@
 #include "coordinator/journal/journal.h"
 #include "coordinator/planning/job_plan.h"
 #include "coordinator/scheduling/scheduler.h"
+#include "coordinator/service/attempt_records.h"
 #include "coordinator/service/job_history.h"
 #include "coordinator/service/worker_sessions.h"
 
@@ -66,6 +67,7 @@ class Coordinator {
   [[nodiscard]] Result<v1::Envelope> Retry(JobId id);
   [[nodiscard]] Result<v1::Envelope> StatusOf(JobId id) const;
   [[nodiscard]] Result<v1::Envelope> ResultsOf(const v1::GetResults& request) const;
+  [[nodiscard]] Result<v1::Envelope> LogsOf(const v1::GetJobLogs& request) const;
   [[nodiscard]] Result<v1::Envelope> Cancel(JobId id);
   [[nodiscard]] Result<v1::Envelope> Drain(const std::string& name);
   [[nodiscard]] v1::Envelope ListJobs() const;
@@ -91,6 +93,7 @@ class Coordinator {
   void Do(const ForgetJob& action);
   void Do(const FrameCommitted& action);
   void Do(const JobEnded& action);
+  void Do(const AttemptEnded& action);
   void Do(const WorkerLost& action);
   void Do(const EndWorker& action);
   void Do(const Note& action);
@@ -116,6 +119,9 @@ class Coordinator {
   JobHistory history_;
   std::unique_ptr<Journal> journal_;
   std::map<JobId, v1::JobConfig> kept_configs_;  // of jobs of the history that keep their results
+  // Of the jobs that ran since the coordinator was started: when each was submitted, what became of its attempts.
+  std::map<JobId, TimePoint> submitted_;
+  AttemptRecords attempts_;
   std::uint64_t last_job_ = 0;
 };
 

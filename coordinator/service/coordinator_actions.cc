@@ -28,6 +28,17 @@ void Coordinator::Do(const Grant& action) {
   *grant->mutable_task() = ToProto(spec);
   if (action.first_of_job) *grant->mutable_job() = jobs_.at(spec.id.job).config;
   SendTo(action.worker, envelope);
+  const WorkerSession* worker = workers_.Find(action.worker);
+  attempts_.Begin(action.lease, {.task = spec.id,
+                                 .worker = action.worker,
+                                 .worker_name = worker == nullptr ? "" : worker->name,
+                                 .attempt = action.attempt,
+                                 .started = now_,
+                                 .ended = {},
+                                 .outcome = AttemptOutcome::kRunning,
+                                 .error = {},
+                                 .stats = {},
+                                 .log = {}});
 }
 
 void Coordinator::Do(const AcknowledgeHeartbeat& action) {
@@ -80,14 +91,19 @@ void Coordinator::Do(const JobEnded& action) {
   history_.Add(status);
   if (job.keeps_results) kept_configs_[job.id] = std::move(jobs_.at(job.id).config);
   jobs_.erase(job.id);
+  const auto is_known = [this](JobId id) { return jobs_.contains(id) || history_.Find(id) != nullptr; };
+  attempts_.KeepJobs(is_known);
+  std::erase_if(submitted_, [&](const auto& entry) { return !is_known(entry.first); });
   std::vector<JobId> forgotten;
   std::erase_if(kept_configs_, [&](const auto& entry) {
-    if (history_.Find(entry.first) != nullptr) return false;
+    if (is_known(entry.first)) return false;
     forgotten.push_back(entry.first);
     return true;
   });
   for (const JobId id : forgotten) Dispatch(JobForgotten{id});
 }
+
+void Coordinator::Do(const AttemptEnded& action) { attempts_.End(action, now_); }
 
 void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }
 

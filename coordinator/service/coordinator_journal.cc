@@ -123,6 +123,7 @@ Status Coordinator::GoOn(const JournaledJob& job, bool workers_are_here) {
 void Coordinator::Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags,
                         CommittedFrames committed) {
   jobs_[job.config.job] = {ToProto(job.config), Summary(job)};
+  submitted_.emplace(job.config.job, now_);
   Dispatch(
       JobSubmitted{std::move(job), submission.name(), submission.priority(), std::move(tags), std::move(committed)});
 }

@@ -29,6 +29,7 @@ struct TaskOutcome {
   std::optional<ContentDigest> picture_digest;  // Analyse
   std::vector<ArtifactKey> missing_inputs;      // inputs that could be had nowhere (kUnavailable)
   TaskStats stats;
+  TaskLog log;  // of whoever runs the executor
   // Keep what it made and read in the store until the coordinator was told of it.
   std::shared_ptr<std::vector<ArtifactPins>> pins;
 };

@@ -41,6 +41,7 @@ v1::Envelope FinishedMessage(const LeasedOutcome& leased) {
   v1::Envelope message = FailedMessage(leased.lease, ToProto(leased.task), outcome.status);
   v1::TaskFinished& finished = *message.mutable_task_finished();
   *finished.mutable_stats() = ToProto(outcome.stats);
+  if (!outcome.log.lines.empty()) *finished.mutable_log() = ToProto(outcome.log);
   for (const ArtifactKey& key : outcome.missing_inputs) finished.add_missing_inputs(DigestBytes(key));
   if (!outcome.status.ok()) return message;
   if (outcome.output_key.has_value()) finished.set_output_key(DigestBytes(*outcome.output_key));

@@ -10,7 +10,9 @@
 
 #include "common/base/machine_memory.h"
 #include "common/log/log.h"
+#include "common/log/log_collector.h"
 #include "common/transport/endpoint.h"
+#include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
 #include "worker/service/addresses.h"
@@ -79,8 +81,11 @@ Status WorkerService::Open() {
   compute_ = std::make_unique<ComputePool>(
       options_.slots,
       [this](int slot, const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
+        LogCollector collector(
+            {.lines = kMaxTaskLogLines, .bytes = kMaxTaskLogBytes, .line_bytes = kMaxTaskLogLineBytes});
         TaskOutcome outcome = executors_[static_cast<std::size_t>(slot)]->Execute(spec, config, stop);
         outcome.status = options_.paths.Explain(outcome.status);
+        outcome.log = {collector.TakeLines(), collector.left_out()};
         return outcome;
       },
       [this](const TaskSpec& spec, const std::stop_token& stop, const std::stop_token& enough) {

@@ -144,5 +144,26 @@ TEST(TaskSpecWire, EmitHasAStagingFolderOrAnOutputKey) {
   EXPECT_FALSE(FromProto(ToProto(emit)).ok());
 }
 
+TEST(TaskLogWire, ComesBackWithinItsBounds) {
+  const TaskLog sent{{"warning slow seconds=3", "libpng error: Read Error"}, 7};
+  EXPECT_EQ(FromProto(ToProto(sent)), sent);
+
+  v1::TaskLog many;
+  for (int i = 0; i < 100; ++i) many.add_lines("line " + std::to_string(i));
+  const TaskLog last = FromProto(many);
+  EXPECT_EQ(last.lines.size(), 64U);
+  EXPECT_EQ(last.lines.back(), "line 99");
+  EXPECT_EQ(last.left_out, 36U);
+
+  v1::TaskLog wide;
+  for (int i = 0; i < 20; ++i) wide.add_lines(std::string(5000, 'x'));
+  EXPECT_EQ(FromProto(wide).lines.size(), 8U);
+  EXPECT_EQ(FromProto(wide).lines.front().size(), 2048U);
+
+  v1::TaskLog hostile;
+  hostile.add_lines("a\x1b[31mb");
+  EXPECT_EQ(FromProto(hostile).lines.front(), "a?[31mb");
+}
+
 }  // namespace
 }  // namespace depthfarm

@@ -217,6 +217,11 @@ void FakeFarm::Apply(const Revoke& revoke) {
   if (worker != workers.end() && worker->second.alive) worker->second.running.erase(revoke.lease);
 }
 
+void FakeFarm::Apply(const AttemptEnded& end) {
+  EXPECT_TRUE(std::ranges::any_of(grants, [&](const Grant& grant) { return grant.lease == end.lease; }));
+  EXPECT_TRUE(attempts_ended.emplace(end.lease, end).second) << "ended twice: " << TaskName(end.task);
+}
+
 void FakeFarm::Apply(const JobEnded& event) {
   EXPECT_TRUE(ended.emplace(event.job.id, event.job).second) << "a job ends once";
 }

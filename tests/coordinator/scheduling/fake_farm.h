@@ -75,6 +75,7 @@ class FakeFarm {
   std::vector<Release> releases;
   std::vector<Keep> keeps;
   std::map<JobId, JobSnapshot> ended;
+  std::map<LeaseId, AttemptEnded> attempts_ended;
   std::set<WorkerId> told_to_end;
   std::vector<Note> notes;
   std::map<JobId, CommittedFrames> committed;
@@ -90,6 +91,7 @@ class FakeFarm {
   void Apply(const ForgetJob&) {}
   void Apply(const JobEnded& event);
   void Apply(const FrameCommitted& event) { committed[event.job][event.frame] = event.committed; }
+  void Apply(const AttemptEnded& end);
   void Apply(const WorkerLost&) {}
   void Apply(const EndWorker& action) { told_to_end.insert(action.worker); }
   void Apply(const Note& note) { notes.push_back(note); }

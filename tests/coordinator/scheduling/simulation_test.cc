@@ -142,6 +142,7 @@ TEST(FarmSimulation, EveryJobEndsAndNothingIsKeptWhateverHappens) {
     while (!farm.workers.empty()) farm.Leave(farm.workers.begin()->first);
     farm.Pass(options.lease);
     ASSERT_TRUE(farm.scheduler.empty());
+    EXPECT_EQ(farm.attempts_ended.size(), farm.grants.size());
     if (HasFailure()) return;
   }
   EXPECT_GT(done, kSeeds / 2);
