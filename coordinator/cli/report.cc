@@ -100,6 +100,14 @@ std::string FormatDuration(double seconds) {
   return Format("%ld h %02ld min", whole / 3600, whole % 3600 / 60);
 }
 
+std::string FormatRoughDuration(double seconds) {
+  const long whole = std::lround(std::clamp(seconds, 0.0, 1e9));
+  if (whole < 100) return Format("%ld s", whole);
+  const long minutes = (whole + 30) / 60;
+  if (minutes < 60) return Format("%ld min", minutes);
+  return Format("%ld h %02ld min", minutes / 60, minutes % 60);
+}
+
 std::string FormatBytes(double bytes) {
   const std::array<const char*, 5> units = {"B", "KiB", "MiB", "GiB", "TiB"};
   std::size_t unit = 0;
@@ -134,6 +142,7 @@ OrderedJson JobToJson(const v1::JobStatus& job) {
           {"framesDone", job.frames_done()},
           {"framesTotal", job.frames_total()},
           {"elapsedSeconds", job.elapsed_seconds()},
+          {"secondsLeft", job.has_seconds_left() ? OrderedJson(job.seconds_left()) : OrderedJson(nullptr)},
           {"priority", job.priority()},
           {"retries", job.retries()},
           {"determinismViolations", job.determinism_violations()},
@@ -220,10 +229,7 @@ std::string FormatProgress(const v1::JobStatus& job) {
   const TaskCount tasks = CountTasks(job);
   std::string text = UnitName(job) + " " + FramesText(job) + ", task " + std::to_string(tasks.done) + "/" +
                      std::to_string(tasks.total) + ", " + FormatDuration(job.elapsed_seconds());
-  if (job.state() == v1::JOB_STATE_RUNNING && tasks.done * 20 >= tasks.total && tasks.done > 0) {
-    const double rest = static_cast<double>(tasks.total - std::min(tasks.done, tasks.total));
-    text += ", about " + FormatDuration(job.elapsed_seconds() * rest / static_cast<double>(tasks.done)) + " left";
-  }
+  if (job.has_seconds_left()) text += ", about " + FormatRoughDuration(job.seconds_left()) + " left";
   return text;
 }
 

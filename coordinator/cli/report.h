@@ -27,12 +27,13 @@ namespace depthfarm {
 // One line per worker.
 [[nodiscard]] std::string FormatWorkers(const std::vector<v1::WorkerStatus>& workers);
 
-// One line without newline: "frame 3 of 6, task 41 of 78, 12 s, about 11 s left". The estimate of the rest assumes
-// tasks of equal length and comes once a twentieth of them is done.
+// One line without newline: "frame 3/6, task 41/78, 12.0 s, about 11 s left", the last as the coordinator expects it.
 [[nodiscard]] std::string FormatProgress(const v1::JobStatus& job);
 
 // "850 ms", "12.3 s", "4 min 05 s", "2 h 03 min".
 [[nodiscard]] std::string FormatDuration(double seconds);
+// Of what is only expected: "11 s", "3 min", "2 h 05 min".
+[[nodiscard]] std::string FormatRoughDuration(double seconds);
 // "512 KiB", "1.4 GiB".
 [[nodiscard]] std::string FormatBytes(double bytes);
 

@@ -32,6 +32,7 @@ JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int
     : plan_(std::move(job)),
       keys_(plan_.job().config),
       costs_(plan_.resolved()),
+      remaining_(plan_, costs_),
       directory_(directory),
       max_setbacks_(max_setbacks) {
   const auto frames = static_cast<std::size_t>(plan_.resolved().num_frames);
@@ -78,7 +79,9 @@ bool JobProgress::PassOver(int gop) {
   for (const TaskId& id : tasks) {
     ++Stage(id.kind).tasks_done;
     ++Stage(id.kind).reused;
+    remaining_.Done(id);
   }
+  remaining_.Close(gop);
   return true;
 }
 
@@ -105,6 +108,7 @@ void JobProgress::Open(int gop) {
       table_.SetState(id, TaskState::kDone);
       ++Stage(id.kind).tasks_done;
       ++Stage(id.kind).reused;
+      remaining_.Done(id);
       if (plan_.keeps_results()) {
         table_.Find(id)->consumers = 1;
         SetArtifact(id, *results_.frames[static_cast<std::size_t>(id.frame)].bundle);
@@ -121,7 +125,9 @@ void JobProgress::Open(int gop) {
   }
   if (frames > 0) open_gops_[gop] = frames;
   Settle();
-  if (frames == 0) RemoveTasks(gop, false);  // of a first GOP that is committed but for its I frame that others need
+  if (frames > 0) return;
+  remaining_.Close(gop);
+  RemoveTasks(gop, false);  // of a first GOP that is committed but for its I frame that others need
 }
 
 void JobProgress::Settle() {
@@ -178,6 +184,7 @@ void JobProgress::CountSetback(const TaskId& id) {
 void JobProgress::Reopen(const TaskId& id) {
   table_.SetState(id, TaskState::kBlocked);
   --Stage(id.kind).tasks_done;
+  remaining_.Undone(id);
   CountSetback(id);
   if (id.kind == plan_.EndOfFrame()) LoseFrame(id.frame);
   for (const TaskId& needed : plan_.Prerequisites(id)) ++table_.Find(needed)->consumers;
@@ -187,6 +194,7 @@ void JobProgress::Reopen(const TaskId& id) {
 void JobProgress::MarkDone(const TaskId& id) {
   table_.SetState(id, TaskState::kDone);
   ++Stage(id.kind).tasks_done;
+  remaining_.Done(id);
   for (const TaskId& needed : plan_.Prerequisites(id)) NotNeededBy(needed);
   const std::vector<TaskId> watchers = std::exchange(table_.Find(id)->watchers, {});
   for (const TaskId& watcher : watchers) Queue(watcher);
@@ -206,7 +214,10 @@ void JobProgress::RemoveTasks(int gop, bool of_shared_frame) {
     const Task* task = table_.Find(id);
     if (task == nullptr) continue;
     if (task->artifact) ForgetProducer(id, task->artifact->key);
-    if (task->state != TaskState::kDone) ++Stage(id.kind).tasks_done;  // done before, lost, and being made for nobody
+    if (task->state != TaskState::kDone) {  // done before, lost, and being made again for nobody
+      ++Stage(id.kind).tasks_done;
+      remaining_.Done(id);
+    }
     table_.Remove(id);
   }
 }
@@ -225,6 +236,7 @@ void JobProgress::CommitFrame(int frame) {
   const int gop = plan_.GopOf(frame);
   if (--open_gops_.at(gop) == 0) {
     RemoveTasks(gop, false);
+    remaining_.Close(gop);
     open_gops_.erase(gop);
   }
   if (frames_done_ < plan_.resolved().num_frames) return;
@@ -410,6 +422,7 @@ Result<bool> JobProgress::Finish(const TaskFinished& result) {
   stage.fetched_bytes += result.stats.fetched_bytes;
   stage.sweeps += result.stats.sweeps;
   stage.reused += result.stats.reused ? 1 : 0;
+  if (!result.stats.reused) remaining_.Measured(id, result.stats.wall_seconds);
   done_ = id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
   MarkDone(id);
   Settle();
@@ -455,9 +468,11 @@ void JobProgress::LoseFrame(int frame) {
 void JobProgress::RestoreGop(int gop) {
   std::vector<TaskId> tasks = plan_.TasksOfGop(gop);
   std::erase_if(tasks, [&](const TaskId& id) { return table_.Find(id) != nullptr; });  // of the I frame that GOPs share
+  remaining_.OpenAgain(gop);
   for (const TaskId& id : tasks) {
     table_.Add(id);
     --Stage(id.kind).tasks_done;
+    remaining_.Undone(id);
   }
   for (const TaskId& id : tasks) {
     if (id.kind == TaskKind::kEmit) {
@@ -467,6 +482,7 @@ void JobProgress::RestoreGop(int gop) {
         SetArtifact(id, *bundle);
         table_.SetState(id, TaskState::kDone);
         ++Stage(id.kind).tasks_done;
+        remaining_.Done(id);
         continue;  // it reads nothing: what only this frame needed is found to be needed by nobody
       }
       LoseFrame(id.frame);

@@ -14,6 +14,7 @@
 #include "coordinator/planning/artifact_keys.h"
 #include "coordinator/planning/cost_model.h"
 #include "coordinator/planning/job_plan.h"
+#include "coordinator/planning/remaining_time.h"
 #include "coordinator/scheduling/actions.h"
 #include "coordinator/scheduling/artifact_directory.h"
 #include "coordinator/scheduling/job_results.h"
@@ -100,6 +101,7 @@ class JobProgress {
 
   [[nodiscard]] int frames_done() const { return frames_done_; }
   [[nodiscard]] int files_done() const { return files_done_; }
+  [[nodiscard]] const RemainingTime& remaining() const { return remaining_; }
   [[nodiscard]] const std::array<StageSnapshot, kNumTaskKinds>& stages() const { return stages_; }
 
  private:
@@ -145,6 +147,7 @@ class JobProgress {
   JobPlan plan_;
   ArtifactKeys keys_;
   CostModel costs_;  // of plan_
+  RemainingTime remaining_;
   const ArtifactDirectory& directory_;
   const int max_setbacks_;
   TaskTable table_;

@@ -150,6 +150,8 @@ class Scheduler {
   // Grants one task of the job that is next to one of the workers, who then is no longer among them.
   [[nodiscard]] bool AssignNext(std::vector<WorkerId>& free_workers);
   [[nodiscard]] bool HasLeases(JobId id) const;
+  // Of the slots that take the job, shared with the jobs that are not behind it.
+  [[nodiscard]] double SlotsOf(JobId id, const JobRecord& job) const;
   [[nodiscard]] JobSnapshot Snapshot(JobId id, const JobRecord& job) const;
   // Everything that an event may have made possible.
   void Advance();

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "coordinator/scheduling/fair_share.h"
@@ -239,6 +240,16 @@ void Scheduler::EndJob(JobId id, JobState state) {
   Add(JobEnded{std::move(snapshot)});
 }
 
+double Scheduler::SlotsOf(JobId id, const JobRecord& job) const {
+  int slots = 0;
+  for (const auto& [worker_id, worker] : workers_.workers()) slots += worker.Takes(job.tags) ? worker.slots : 0;
+  const auto rivals = std::ranges::count_if(jobs_, [&](const auto& entry) {
+    const auto& [other_id, other] = entry;
+    return other_id != id && other.taken && other.priority >= job.priority;
+  });
+  return static_cast<double>(slots) / static_cast<double>(1 + rivals);
+}
+
 JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
   JobSnapshot snapshot;
   snapshot.id = id;
@@ -251,9 +262,17 @@ JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
   snapshot.frames_done = plan.renders() ? job.progress->files_done() : job.progress->frames_done();
   snapshot.frames_total = plan.renders() ? static_cast<int>(plan.job().views.size()) : plan.resolved().num_frames;
   snapshot.stages = job.progress->stages();
+  std::vector<TaskId> computing;
   for (const auto& [lease_id, lease] : workers_.leases()) {
-    if (lease.task.job == id) snapshot.running.push_back({lease.task, lease.worker, workers_.Find(lease.worker)->name});
+    if (lease.task.job != id) continue;
+    const Worker& worker = *workers_.Find(lease.worker);
+    snapshot.running.push_back({lease.task, lease.worker, worker.name});
+    // A worker begins its tasks in the order of their leases.
+    const auto before = std::distance(worker.leases.begin(), worker.leases.find(lease_id));
+    if (before < worker.slots) computing.push_back(lease.task);
   }
+  if (job.ending == JobState::kRunning)
+    snapshot.seconds_left = job.progress->remaining().Seconds(SlotsOf(id, job), computing);
   snapshot.tags = job.tags;
   snapshot.lacks_worker = !job.taken;
   snapshot.retries = job.retries;

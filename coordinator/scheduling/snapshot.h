@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -43,8 +44,9 @@ struct JobSnapshot {
   int frames_total = 0;
   std::array<StageSnapshot, kNumTaskKinds> stages;  // by TaskKind
   std::vector<RunningTask> running;
-  std::set<std::string> tags;  // that its workers must have
-  bool lacks_worker = false;   // there is none that takes its tasks
+  std::optional<double> seconds_left;  // RemainingTime, on the job's share of the slots; not of a job that ends
+  std::set<std::string> tags;          // that its workers must have
+  bool lacks_worker = false;           // there is none that takes its tasks
   std::uint64_t retries = 0;
   std::uint64_t determinism_violations = 0;
   TimePoint submitted;

@@ -54,6 +54,7 @@ v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, 
     added->set_reused(stage.reused);
   }
   status.set_elapsed_seconds(Seconds((job.state == JobState::kRunning ? now : job.ended) - job.submitted));
+  if (job.seconds_left && job.state == JobState::kRunning) status.set_seconds_left(*job.seconds_left);
   status.set_retries(job.retries);
   for (const RunningTask& task : job.running) status.add_running(NameWithinJob(task.task) + " on " + task.worker_name);
   status.set_output_dir(job.output_dir);

@@ -47,8 +47,17 @@ TEST(FormatBytes, ChoosesItsUnits) {
   EXPECT_EQ(FormatBytes(1.5 * (1 << 30)), "1.5 GiB");
 }
 
-TEST(FormatProgress, ScalesTheElapsedTimeByTheTasksLeft) {
-  EXPECT_EQ(FormatProgress(SomeJob()), "frame 2/6, task 15/30, 30.0 s, about 30.0 s left");
+TEST(FormatRoughDuration, SaysNoMoreThanCanBeExpected) {
+  EXPECT_EQ(FormatRoughDuration(0.2), "0 s");
+  EXPECT_EQ(FormatRoughDuration(99.2), "99 s");
+  EXPECT_EQ(FormatRoughDuration(185), "3 min");
+  EXPECT_EQ(FormatRoughDuration(7505), "2 h 05 min");
+}
+
+TEST(FormatProgress, TellsWhatIsExpectedToBeLeft) {
+  v1::JobStatus job = SomeJob();
+  job.set_seconds_left(185);
+  EXPECT_EQ(FormatProgress(job), "frame 2/6, task 15/30, 30.0 s, about 3 min left");
 }
 
 TEST(FormatProgress, ARenderingJobHasParts) {
@@ -61,10 +70,7 @@ TEST(FormatProgress, ARenderingJobHasParts) {
 }
 
 TEST(FormatProgress, MakesNoGuessBeforeThereIsAnythingToGuessFrom) {
-  v1::JobStatus job = SomeJob();
-  job.mutable_stages(0)->set_tasks_done(0);
-  job.mutable_stages(1)->set_tasks_done(0);
-  EXPECT_THAT(FormatProgress(job), Not(HasSubstr("left")));
+  EXPECT_EQ(FormatProgress(SomeJob()), "frame 2/6, task 15/30, 30.0 s");
   EXPECT_THAT(FormatProgress(v1::JobStatus()), Not(HasSubstr("left")));
 }
 
@@ -90,6 +96,10 @@ TEST(JobToJson, HoldsWhatTheTextSays) {
   EXPECT_EQ(json["job"], 3);
   EXPECT_EQ(json["state"], "running");
   EXPECT_TRUE(json["error"].is_null());
+  EXPECT_TRUE(json["secondsLeft"].is_null());
+  v1::JobStatus job = SomeJob();
+  job.set_seconds_left(2.5);
+  EXPECT_EQ(JobToJson(job)["secondsLeft"], 2.5);
   EXPECT_EQ(json["stages"][0]["stage"], "analyse");
   EXPECT_EQ(json["stages"][1]["tasksTotal"], 20);
 }

@@ -593,6 +593,29 @@ TEST(Scheduler, ASecondTickAtTheSameTimeDoesNothing) {
   EXPECT_TRUE(farm.scheduler.Tick(farm.now).empty());
 }
 
+TEST(Scheduler, TellsWhatIsLeftOfAJobOnItsShareOfTheFarm) {
+  FakeFarm farm;
+  const PlannedJob job = MakePlannedJob({.frames = 20, .gop = 1});
+  farm.Submit(job);
+  const WorkerId worker = farm.JoinAndAsk();
+  const auto left = [&] { return farm.scheduler.Job(JobId(1))->seconds_left; };
+  EXPECT_FALSE(left());
+  for (int tasks = 0; tasks < 10; ++tasks) farm.Finish(worker);
+  ASSERT_TRUE(left());
+  const double alone = *left();
+  EXPECT_GT(alone, 0);
+
+  farm.Submit(MakePlannedJob({.id = 2}), -1);
+  EXPECT_EQ(*left(), alone) << "a job behind it takes nothing";
+  farm.Submit(MakePlannedJob({.id = 3}));
+  EXPECT_NEAR(*left(), 2 * alone, 1e-9 * alone);
+  farm.Join(2);
+  EXPECT_NEAR(*left(), 2 * alone / 3, 1e-9 * alone);
+
+  farm.Cancel(1);
+  EXPECT_FALSE(left());
+}
+
 // Of a job that keeps its results, the bundle of a frame.
 ArtifactKey BundleOf(const FakeFarm& farm, std::uint64_t job, int frame) {
   return farm.scheduler.ResultsOf(JobId(job))->frames.at(static_cast<std::size_t>(frame)).bundle.value().key;

@@ -1,0 +1,162 @@
+#include "coordinator/planning/remaining_time.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace depthfarm {
+namespace {
+
+constexpr std::uint64_t kLeastMeasured = 3;
+// So many measured tasks count as much as what is believed without them.
+constexpr double kTasksToBelieve = 3;
+constexpr double kGrantSeconds = 2e-3;  // from a result to the next grant, 2 to 4 ms on one host
+constexpr std::size_t kPFrame = 0;
+constexpr std::size_t kIFrame = 1;
+
+double Blend(double ratio, std::uint64_t tasks, double without) {
+  const double weight = static_cast<double>(tasks) / (static_cast<double>(tasks) + kTasksToBelieve);
+  return weight * ratio + (1 - weight) * without;
+}
+
+// Tasks of a frame that follow each other are told apart by this; those alike in it run side by side.
+int StepOf(const TaskId& id) { return id.kind == TaskKind::kMerge || id.kind == TaskKind::kRefine ? id.index : 0; }
+
+}  // namespace
+
+RemainingTime::RemainingTime(const JobPlan& plan, const CostModel& costs) : plan_(plan), costs_(costs) {
+  const ResolvedJob& job = plan.resolved();
+  // Frames of a type cost the same: the first of each stands for all.
+  std::array<std::map<std::pair<TaskKind, int>, double>, 2> longest;
+  Classes of_frame;
+  std::vector<TaskId> samples = plan.TasksOfGop(0);
+  if (job.params.gop == 1 && job.HasPFrames()) {  // all GOPs share an I frame
+    const std::vector<TaskId> next = plan.TasksOfGop(1);
+    samples.insert(samples.end(), next.begin(), next.end());
+  }
+  for (const TaskId& id : samples) {
+    const double cost = Cost(id);
+    const std::size_t type = job.IsIFrame(id.frame) ? kIFrame : kPFrame;
+    if (id.frame != (type == kIFrame ? 0 : 1)) continue;
+    of_frame[type][static_cast<std::size_t>(id.kind)].total += cost;
+    of_frame_[type] += cost;
+    double& step = longest[type][{id.kind, StepOf(id)}];
+    step = std::max(step, cost);
+  }
+  int i_frames = 0;
+  for (int gop = 0; gop < plan.num_gops(); ++gop) i_frames += job.IsIFrame(gop * job.params.gop) ? 1 : 0;
+  for (const std::size_t type : {kPFrame, kIFrame}) {
+    const int frames = type == kIFrame ? i_frames : job.num_frames - i_frames;
+    for (std::size_t kind = 0; kind < kNumTaskKinds; ++kind)
+      classes_[type][kind].total = of_frame[type][kind].total * frames;
+    for (const auto& [step, cost] : longest[type])
+      classes_[type][static_cast<std::size_t>(step.first)].of_chain += cost;
+  }
+  for (const TaskKind kind : {TaskKind::kPrepare, TaskKind::kManifest}) {
+    const TaskId id = plan.OfJob(kind);
+    ClassOf(id).total = Cost(id);
+  }
+}
+
+double RemainingTime::GopSeconds(int gop) const {
+  const int begin = gop * plan_.resolved().params.gop;
+  const int frames = std::min(plan_.resolved().params.gop, plan_.resolved().num_frames - begin);
+  return of_frame_[plan_.resolved().IsIFrame(begin) ? kIFrame : kPFrame] + of_frame_[kPFrame] * (frames - 1);
+}
+
+double RemainingTime::Cost(const TaskId& id) const { return costs_.Of(id).seconds + kGrantSeconds; }
+
+RemainingTime::Class& RemainingTime::ClassOf(const TaskId& id) {
+  return classes_[plan_.resolved().IsIFrame(id.frame) ? kIFrame : kPFrame][static_cast<std::size_t>(id.kind)];
+}
+
+void RemainingTime::AddToGop(const TaskId& id, double seconds) {
+  const bool of_job = id.kind == TaskKind::kPrepare || id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
+  if (!of_job) open_gops_[plan_.GopOf(id.frame)] += seconds;
+}
+
+void RemainingTime::Done(const TaskId& id) {
+  const double cost = Cost(id);
+  ClassOf(id).done += cost;
+  AddToGop(id, cost);
+}
+
+void RemainingTime::Undone(const TaskId& id) {
+  const double cost = Cost(id);
+  ClassOf(id).done -= cost;
+  AddToGop(id, -cost);
+}
+
+void RemainingTime::Measured(const TaskId& id, double seconds) {
+  Class& of = ClassOf(id);
+  of.predicted += Cost(id);
+  of.measured += seconds + kGrantSeconds;
+  ++of.tasks_measured;
+}
+
+void RemainingTime::Close(int gop) {
+  open_gops_.erase(gop);
+  ++closed_gops_;
+}
+
+void RemainingTime::OpenAgain(int gop) {
+  if (!open_gops_.emplace(gop, GopSeconds(gop)).second) return;
+  --closed_gops_;
+}
+
+double RemainingTime::RatioOfAll() const {
+  double predicted = 0;
+  double measured = 0;
+  std::uint64_t tasks = 0;
+  for (const auto& type : classes_) {
+    for (const Class& of : type) {
+      predicted += of.predicted;
+      measured += of.measured;
+      tasks += of.tasks_measured;
+    }
+  }
+  return predicted > 0 ? Blend(measured / predicted, tasks, 1) : 1;
+}
+
+double RemainingTime::RatioOf(const Class& of, double of_all) const {
+  return of.predicted > 0 ? Blend(of.measured / of.predicted, of.tasks_measured, of_all) : of_all;
+}
+
+double RemainingTime::ChainSeconds(double of_all) const {
+  const auto seconds = [&](std::size_t type, std::initializer_list<TaskKind> kinds) {
+    double sum = 0;
+    for (const TaskKind kind : kinds) {
+      const Class& of = classes_[type][static_cast<std::size_t>(kind)];
+      sum += of.of_chain * RatioOf(of, of_all);
+    }
+    return sum;
+  };
+  using enum TaskKind;
+  // From frame to frame go analyses, labels and refined depth, each waiting for its like of the frame before.
+  const double of_p_frame =
+      std::max({seconds(kPFrame, {kAnalyse}), seconds(kPFrame, {kEstimate, kMerge}), seconds(kPFrame, {kRefine})});
+  const int p_frames = std::min(plan_.resolved().params.gop, plan_.resolved().num_frames) - 1;
+  return seconds(kIFrame, {kAnalyse, kEstimate, kMerge, kRefine, kAssess, kRender, kEmit, kCommit}) +
+         of_p_frame * p_frames;
+}
+
+std::optional<double> RemainingTime::Seconds(double slots, std::span<const TaskId> computing) const {
+  std::uint64_t tasks = 0;
+  for (const auto& type : classes_)
+    for (const Class& of : type) tasks += of.tasks_measured;
+  if (tasks < kLeastMeasured || slots <= 0) return std::nullopt;
+  const double of_all = RatioOfAll();
+  double left = 0;
+  for (const auto& type : classes_)
+    for (const Class& of : type) left += std::max(0.0, of.total - of.done) * RatioOf(of, of_all);
+  for (const TaskId& id : computing) {
+    const Class& of =
+        classes_[plan_.resolved().IsIFrame(id.frame) ? kIFrame : kPFrame][static_cast<std::size_t>(id.kind)];
+    left -= 0.5 * Cost(id) * RatioOf(of, of_all);
+  }
+  // Of the GOP of which most is left.
+  double share = closed_gops_ + static_cast<int>(open_gops_.size()) < plan_.num_gops() ? 1 : 0;
+  for (const auto& [gop, done] : open_gops_) share = std::max(share, std::min(1.0, 1 - done / GopSeconds(gop)));
+  return std::max({0.0, left / slots, share * ChainSeconds(of_all)});
+}
+
+}  // namespace depthfarm
