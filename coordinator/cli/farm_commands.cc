@@ -141,7 +141,7 @@ int Execute(const RetryArguments& arguments) {
   if (!client.ok()) return FailAsking(client.status());
   const Status goes_on = client.value()->Retry(arguments.job);
   if (!goes_on.ok()) return FailAsking(goes_on);
-  if (arguments.wait) return WatchToTheEnd(*client.value(), arguments.job, arguments.json);
+  if (arguments.wait) return WatchToTheEnd(*client.value(), arguments.farm, arguments.job, arguments.json);
   if (arguments.json) std::cout << nlohmann::ordered_json{{"job", arguments.job}}.dump() << "\n";
   return kExitOk;
 }
