@@ -86,15 +86,32 @@ struct FrameResult {
   bool operator==(const FrameResult&) const = default;
 };
 
+// What the files of an Analyse task hold.
+struct SourceDigests {
+  FileDigest picture;
+  std::optional<FileDigest> mask;
+  std::optional<FileDigest> prior;
+  std::optional<FileDigest> prior_confidence;
+  bool operator==(const SourceDigests&) const = default;
+};
+
+// Files of an Analyse task that its job's submitter serves: each an artifact whose key is the digest of its content.
+struct UploadedSources {
+  SourceDigests files;
+  ArtifactLocation from;
+  bool operator==(const UploadedSources&) const = default;
+};
+
 // All that a worker needs for a task besides its JobConfig.
 struct TaskSpec {
   TaskId id;
   std::optional<ArtifactKey> output_key;  // Estimate, Merge, Refine, Assess; Emit of a job that keeps its results
   std::vector<TaskInput> inputs;
-  std::optional<TaskInput> known;  // Analyse: what such a task made when it was done before; may be out of date
-  std::string picture;             // Analyse: absolute path
-  GuideFiles guides;               // Analyse
-  std::string staging;             // Emit, Render, Commit: folder below DIR/.depthfarm-staging; not with an output key
+  std::optional<TaskInput> known;          // Analyse: what such a task made when it was done before; may be out of date
+  std::string picture;                     // Analyse: absolute path
+  GuideFiles guides;                       // Analyse
+  std::optional<UploadedSources> uploads;  // Analyse: then picture and guides are names only
+  std::string staging;  // Emit, Render, Commit: folder below DIR/.depthfarm-staging; not with an output key
   // Commit: of the frame; Manifest: of all frames, by frame, then view; Prepare: those that must be there already.
   std::vector<OutputFile> files;
   std::vector<ContentDigest> picture_digests;  // Manifest: of each picture, by frame, then view

@@ -138,6 +138,12 @@ Result<ClientKeys> ReadClientKeys(const std::filesystem::path& dir) {
   ClientKeys keys;
   DEPTHFARM_ASSIGN_OR_RETURN(keys.own, ReadPair(dir, "client"));
   DEPTHFARM_ASSIGN_OR_RETURN(keys.coordinator_public_key, ReadPublicKey(dir / "coordinator.pub"));
+  std::error_code error;
+  if (!std::filesystem::exists(dir / "authorized", error)) return keys;
+  DEPTHFARM_ASSIGN_OR_RETURN(const AllowedKeys all, ReadAuthorized(dir / "authorized"));
+  for (const auto& [key, user] : all) {
+    if (RoleOfUser(user).value() == Role::kWork) keys.workers.emplace(key, user);
+  }
   return keys;
 }
 

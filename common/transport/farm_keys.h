@@ -47,10 +47,12 @@ struct WorkerKeys {
 };
 [[nodiscard]] Result<WorkerKeys> ReadWorkerKeys(const std::filesystem::path& dir);
 
-// What a client needs of DIR.
+// What a client needs of DIR, and if it serves files itself, the keys of the workers that may fetch them: those of role
+// work in DIR/authorized; none where the file is missing.
 struct ClientKeys {
   CurveKeys own;
   std::string coordinator_public_key;
+  AllowedKeys workers;
 };
 [[nodiscard]] Result<ClientKeys> ReadClientKeys(const std::filesystem::path& dir);
 

@@ -7,12 +7,18 @@
 #include <string_view>
 
 #include "common/base/status.h"
+#include "common/job/task_spec.h"
+#include "depthfarm/v1/job.pb.h"
 
 namespace depthfarm {
 
 // 32 bytes: ArtifactKey, ContentDigest.
 [[nodiscard]] std::string DigestBytes(const std::array<std::uint8_t, 32>& digest);
 [[nodiscard]] Result<std::array<std::uint8_t, 32>> DigestFromBytes(std::string_view field, std::string_view bytes);
+
+// Sizes are 1 to 4 GiB.
+[[nodiscard]] v1::FileDigest ToProto(const FileDigest& file);
+[[nodiscard]] Result<FileDigest> FromProto(const v1::FileDigest& file);
 
 }  // namespace depthfarm
 

@@ -12,11 +12,7 @@ v1::FrameResult ToProto(const FrameResult& result) {
   proto.set_frame(static_cast<std::uint32_t>(result.frame));
   *proto.mutable_bundle() = ToProto(result.bundle);
   for (const ArtifactLocation& location : result.locations) *proto.add_locations() = ToProto(location);
-  for (const FileDigest& file : result.files) {
-    v1::FileDigest* added = proto.add_files();
-    added->set_sha256(DigestBytes(file.sha256));
-    added->set_bytes(file.bytes);
-  }
+  for (const FileDigest& file : result.files) *proto.add_files() = ToProto(file);
   for (const ContentDigest& digest : result.picture_digests) proto.add_picture_digests(DigestBytes(digest));
   return proto;
 }
@@ -32,12 +28,8 @@ Result<FrameResult> FromProto(const v1::FrameResult& proto) {
   }
   DEPTHFARM_RETURN_IF_ERROR(CheckCount("files of a result", proto.files_size(), 2 * kMaxViews));
   for (const v1::FileDigest& file : proto.files()) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const ContentDigest digest, DigestFromBytes("digest of a file", file.sha256()));
-    if (file.bytes() > kMaxArtifactBytes) {
-      return InvalidArgument("file of a result is " + std::to_string(file.bytes()) + " bytes, expected at most " +
-                             std::to_string(kMaxArtifactBytes));
-    }
-    result.files.push_back({digest, file.bytes()});
+    DEPTHFARM_ASSIGN_OR_RETURN(const FileDigest parsed, FromProto(file));
+    result.files.push_back(parsed);
   }
   DEPTHFARM_RETURN_IF_ERROR(CheckCount("pictures of a result", proto.picture_digests_size(), kMaxViews));
   for (const std::string& bytes : proto.picture_digests()) {

@@ -314,6 +314,42 @@ TaskLog FromProto(const v1::TaskLog& proto) {
   return log;
 }
 
+namespace {
+
+void UploadsToProto(const UploadedSources& uploads, v1::TaskSpec& proto) {
+  *proto.mutable_picture_upload() = ToProto(uploads.files.picture);
+  if (uploads.files.mask) *proto.mutable_mask_upload() = ToProto(*uploads.files.mask);
+  if (uploads.files.prior) *proto.mutable_prior_upload() = ToProto(*uploads.files.prior);
+  if (uploads.files.prior_confidence)
+    *proto.mutable_prior_confidence_upload() = ToProto(*uploads.files.prior_confidence);
+  *proto.mutable_uploads_from() = ToProto(uploads.from);
+}
+
+// A file that the task names has a digest, another one has none.
+Status UploadFromProto(const std::string& path, bool present, const v1::FileDigest& proto,
+                       std::optional<FileDigest>& file) {
+  if (path.empty() == present) return InvalidArgument("an uploaded file without a name or a digest");
+  if (!present) return {};
+  DEPTHFARM_ASSIGN_OR_RETURN(file, FromProto(proto));
+  return {};
+}
+
+Status UploadsFromProto(const v1::TaskSpec& proto, TaskSpec& spec) {
+  UploadedSources uploads;
+  DEPTHFARM_ASSIGN_OR_RETURN(uploads.from, FromProto(proto.uploads_from()));
+  DEPTHFARM_ASSIGN_OR_RETURN(uploads.files.picture, FromProto(proto.picture_upload()));
+  DEPTHFARM_RETURN_IF_ERROR(
+      UploadFromProto(spec.guides.mask, proto.has_mask_upload(), proto.mask_upload(), uploads.files.mask));
+  DEPTHFARM_RETURN_IF_ERROR(
+      UploadFromProto(spec.guides.prior, proto.has_prior_upload(), proto.prior_upload(), uploads.files.prior));
+  DEPTHFARM_RETURN_IF_ERROR(UploadFromProto(spec.guides.prior_confidence, proto.has_prior_confidence_upload(),
+                                            proto.prior_confidence_upload(), uploads.files.prior_confidence));
+  spec.uploads = std::move(uploads);
+  return {};
+}
+
+}  // namespace
+
 v1::TaskSpec ToProto(const TaskSpec& spec) {
   v1::TaskSpec proto;
   *proto.mutable_id() = ToProto(spec.id);
@@ -324,6 +360,7 @@ v1::TaskSpec ToProto(const TaskSpec& spec) {
   proto.set_mask(spec.guides.mask);
   proto.set_prior(spec.guides.prior);
   proto.set_prior_confidence(spec.guides.prior_confidence);
+  if (spec.uploads) UploadsToProto(*spec.uploads, proto);
   proto.set_staging(spec.staging);
   for (const OutputFile& file : spec.files) *proto.add_files() = ToProto(file);
   for (const ContentDigest& digest : spec.picture_digests) proto.add_picture_digests(DigestBytes(digest));
@@ -340,7 +377,7 @@ Status ReadFilesOfAnalyse(const v1::TaskSpec& proto, TaskSpec& spec) {
   for (const auto& [field, path] : {std::pair{"mask", &spec.guides.mask}, std::pair{"prior", &spec.guides.prior},
                                     std::pair{"confidence of the prior", &spec.guides.prior_confidence}})
     if (!path->empty()) DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath(field, *path));
-  return {};
+  return proto.has_uploads_from() ? UploadsFromProto(proto, spec) : Status();
 }
 
 }  // namespace

@@ -57,6 +57,9 @@ struct SubmitArguments {
   int priority = 0;
   std::string name;  // empty: the sequence's
   std::vector<std::string> required_tags;
+  bool upload = false;
+  std::string upload_listen;  // endpoint; empty: chosen
+  std::string upload_host;    // host name or address for workers; empty: this host's name
   bool wait = false;
   bool json = false;
 };

@@ -215,6 +215,17 @@ void DefineSubmit(CLI::App& app, CommandArguments& storage) {
       ->type_name("TAG,...")
       ->delimiter(',');
   app.add_flag("--wait", arguments.wait, "Wait for the end of the job, showing progress");
+  CLI::Option* upload = app.add_flag(
+      "--upload", arguments.upload,
+      "Serve the pictures from here to workers that cannot see them, until the job has ended; DIR of -o is "
+      "then of this machine. Ctrl-C cancels the job");
+  app.add_option("--upload-listen", arguments.upload_listen,
+                 "Endpoint to serve at; default: a free port, on the loopback address if the coordinator is there")
+      ->type_name("tcp://HOST:PORT")
+      ->needs(upload);
+  app.add_option("--upload-host", arguments.upload_host, "Name or address that workers reach this machine by")
+      ->type_name("HOST")
+      ->needs(upload);
   AddJsonFlag(app, arguments.json);
   app.footer(
       "Prints the number of the job. Pictures and DIR are paths that every worker must see, under the same name or as "
@@ -223,7 +234,8 @@ void DefineSubmit(CLI::App& app, CommandArguments& storage) {
       "them.\n"
       "Examples:\n"
       "  depthfarm submit array.json -o /shared/out --coordinator tcp://head:7700 --keys ~/farm-keys\n"
-      "  depthfarm submit /shared/array.json; depthfarm fetch 1 -o out --wait");
+      "  depthfarm submit /shared/array.json; depthfarm fetch 1 -o out --wait\n"
+      "  depthfarm submit array.json -o out --upload");
 }
 
 void DefineStatus(CLI::App& app, CommandArguments& storage) {

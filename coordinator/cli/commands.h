@@ -12,6 +12,8 @@ namespace depthfarm {
 [[nodiscard]] int Execute(const PlanArguments& arguments);
 [[nodiscard]] int Execute(const BenchArguments& arguments);
 [[nodiscard]] int Execute(const SubmitArguments& arguments);
+// Of submit, with --upload.
+[[nodiscard]] int SubmitWithUploads(const SubmitArguments& arguments);
 [[nodiscard]] int Execute(const StatusArguments& arguments);
 [[nodiscard]] int Execute(const WatchArguments& arguments);
 [[nodiscard]] int Execute(const LogsArguments& arguments);

@@ -1,10 +1,10 @@
 #include <chrono>
-#include <cmath>
 #include <iostream>
 
 #include "common/transport/farm_keys.h"
 #include "coordinator/cli/commands.h"
 #include "coordinator/cli/exit_codes.h"
+#include "coordinator/cli/fetch_session.h"
 #include "coordinator/cli/interruption.h"
 #include "coordinator/cli/job_request.h"
 #include "coordinator/cli/logs_report.h"
@@ -16,12 +16,6 @@ namespace depthfarm {
 namespace {
 
 constexpr std::chrono::milliseconds kWatchInterval{500};
-
-Result<std::unique_ptr<Client>> ConnectTo(const FarmArguments& farm) {
-  return Client::Connect(
-      {.endpoint = farm.coordinator, .keys_dir = farm.keys, .insecure = farm.insecure},
-      {.timeout = std::chrono::milliseconds(std::llround(farm.timeout_seconds * 1000)), .stop = Interrupted});
-}
 
 // The command that shows what happened to a job, for the shell.
 std::string LogsCommand(const FarmArguments& farm, std::uint64_t job_id) {
@@ -61,6 +55,7 @@ int FailAsking(const Status& status) {
 
 int Execute(const SubmitArguments& arguments) {
   CatchInterruptions();
+  if (arguments.upload) return SubmitWithUploads(arguments);
   Result<JobRequest> request =
       arguments.job.output_dir.empty() ? ReadJobRequest(arguments.job) : PrepareJobRequest(arguments.job);
   if (!request.ok()) return Fail(request.status());
@@ -176,7 +171,7 @@ int Execute(const KeygenArguments& arguments) {
   std::cout << "keys of a farm are in " << arguments.output_dir << "\n"
             << "  coordinator's host:  coordinator.key, authorized\n"
             << "  worker hosts:        worker.key, worker.pub, coordinator.pub, authorized\n"
-            << "  submitters:          client.key, client.pub, coordinator.pub\n"
+            << "  submitters:          client.key, client.pub, coordinator.pub; with --upload also authorized\n"
             << "Move *.key over an encrypted channel (scp); they are refused when others may read them.\n";
   return kExitOk;
 }

@@ -9,6 +9,7 @@
 #include "common/wire/job_wire.h"
 #include "common/wire/render_wire.h"
 #include "common/wire/sequence_wire.h"
+#include "common/wire/task_wire.h"
 
 namespace depthfarm {
 namespace {
@@ -22,6 +23,26 @@ constexpr milliseconds kLookInterval{100};
 template <typename Messages>
 auto ToVector(const Messages& messages) {
   return std::vector(messages.begin(), messages.end());
+}
+
+void AddFiles(const std::vector<FileDigest>& files, google::protobuf::RepeatedPtrField<v1::FileDigest>& protos) {
+  for (const FileDigest& file : files) {
+    v1::FileDigest& proto = *protos.Add();
+    if (file.bytes > 0) proto = ToProto(file);
+  }
+}
+
+void AddUploads(const UploadSubmission& uploads, v1::SubmitJob& submit) {
+  *submit.mutable_uploads_from() = ToProto(uploads.from);
+  const int cameras = std::min(submit.sequence().cameras_size(), static_cast<int>(uploads.cameras.size()));
+  for (int camera = 0; camera < cameras; ++camera) {
+    const UploadSubmission::CameraFiles& files = uploads.cameras[static_cast<std::size_t>(camera)];
+    v1::UploadedFiles& proto = *submit.mutable_sequence()->mutable_cameras(camera)->mutable_uploads();
+    AddFiles(files.images, *proto.mutable_images());
+    AddFiles(files.masks, *proto.mutable_masks());
+    AddFiles(files.prior, *proto.mutable_prior());
+    AddFiles(files.prior_confidence, *proto.mutable_prior_confidence());
+  }
 }
 
 }  // namespace
@@ -86,6 +107,7 @@ Result<std::uint64_t> Client::Submit(const JobSubmission& submission) {
     *submit.mutable_sequence() = ToProto(submission.sequence);
     *submit.mutable_params() = ToProto(submission.params);
   }
+  if (submission.uploads) AddUploads(*submission.uploads, submit);
   submit.set_output_dir(submission.output_dir);
   submit.set_keeps_results(submission.output_dir.empty());
   submit.set_name(submission.name);
@@ -95,8 +117,9 @@ Result<std::uint64_t> Client::Submit(const JobSubmission& submission) {
   return answer.job_accepted().job_id();
 }
 
-Result<v1::JobStatus> Client::GetStatus(std::uint64_t job_id) {
+Result<v1::JobStatus> Client::GetStatus(std::uint64_t job_id, bool serves_uploads) {
   v1::Envelope question;
+  question.mutable_get_job_status()->set_serves_uploads(serves_uploads);
   question.mutable_get_job_status()->set_job_id(job_id);
   DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobStatus));
   return std::move(*answer.mutable_job_status());

@@ -11,6 +11,7 @@
 
 #include "common/base/status.h"
 #include "common/job/estimation_params.h"
+#include "common/job/task_spec.h"
 #include "common/job/virtual_picture.h"
 #include "common/sequence/sequence.h"
 #include "common/transport/client_channel.h"
@@ -37,6 +38,19 @@ struct RenderSubmission {
   std::vector<VirtualPicture> views;
 };
 
+// What the submitter serves itself: the files of each camera of the sequence, in its order. Empty digests stand for
+// files that the job does not read.
+struct UploadSubmission {
+  struct CameraFiles {
+    std::vector<FileDigest> images;
+    std::vector<FileDigest> masks;
+    std::vector<FileDigest> prior;
+    std::vector<FileDigest> prior_confidence;
+  };
+  ArtifactLocation from;
+  std::vector<CameraFiles> cameras;
+};
+
 // A job as it is handed in. output_dir, the sequence's file and its pictures are absolute paths as every worker sees
 // them. Without output_dir the job keeps its results on the workers.
 struct JobSubmission {
@@ -48,6 +62,8 @@ struct JobSubmission {
   std::vector<std::string> required_tags = {};
   // Set: views are rendered; of the sequence its name and file count, of `params` nothing.
   std::optional<RenderSubmission> render = std::nullopt;
+  // Set: workers fetch pictures and guides from there; GetStatus must say so every few seconds.
+  std::optional<UploadSubmission> uploads = std::nullopt;
 };
 
 // The submitter's side of the protocol (proto/PROTOCOL.md): one question at a time, each matched with its answer by the
@@ -64,7 +80,8 @@ class Client {
                                                                ClientCallOptions options = {});
 
   [[nodiscard]] Result<std::uint64_t> Submit(const JobSubmission& submission);
-  [[nodiscard]] Result<v1::JobStatus> GetStatus(std::uint64_t job_id);
+  // `serves_uploads`: from the submitter of a job with uploads, that it is still there.
+  [[nodiscard]] Result<v1::JobStatus> GetStatus(std::uint64_t job_id, bool serves_uploads = false);
   // What is done of a job that keeps its results, from a frame on; several questions may be needed.
   [[nodiscard]] Result<v1::Results> GetResults(std::uint64_t job_id, std::uint32_t first_frame);
   [[nodiscard]] Result<std::vector<v1::JobStatus>> ListJobs();

@@ -20,9 +20,11 @@ inline constexpr int kNumTaskKinds = static_cast<int>(TaskKind::kCleanup) + 1;
 // A job as it is planned: what its tasks have in common and where its pictures are.
 struct PlannedJob {
   JobConfig config;
-  std::vector<std::vector<std::string>> pictures;  // [view][frame of the job], absolute paths
-  std::vector<std::vector<GuideFiles>> guides;     // the same; empty: no view has any
-  std::vector<VirtualPicture> views;               // of a rendering job: all that it makes, kViewsPerPart to a part
+  std::vector<std::vector<std::string>> pictures;   // [view][frame of the job], absolute paths
+  std::vector<std::vector<GuideFiles>> guides;      // the same; empty: no view has any
+  std::vector<std::vector<SourceDigests>> uploads;  // the same; empty: files are opened by their paths
+  ArtifactLocation uploads_from;                    // where they are served
+  std::vector<VirtualPicture> views;                // of a rendering job: all that it makes, kViewsPerPart to a part
 };
 
 // Neighbours on a path share sources, which take longer to read than a view takes to render; eight views are a second

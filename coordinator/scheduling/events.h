@@ -30,6 +30,11 @@ struct JobSubmitted {
   std::set<std::string> tags = {};  // that a worker must have
   // Of a job that goes on after it failed, was cancelled or lost its coordinator: frames that need not be done again.
   CommittedFrames committed = {};
+  bool serves_uploads = false;  // its submitter serves the pictures, and must be heard of
+};
+// The submitter of a job with uploads is there.
+struct SubmitterHeard {
+  JobId job;
 };
 struct JobCancelled {
   JobId job;
@@ -100,8 +105,9 @@ struct WorkerLeft {
   WorkerId worker;
 };
 
-using Event = std::variant<JobSubmitted, JobCancelled, ResultsRestored, JobForgotten, WorkerDrained, WorkerJoined,
-                           WorkerAsked, WorkerHeard, TaskFinished, TaskFailed, ArtifactsDropped, WorkerLeft>;
+using Event =
+    std::variant<JobSubmitted, SubmitterHeard, JobCancelled, ResultsRestored, JobForgotten, WorkerDrained, WorkerJoined,
+                 WorkerAsked, WorkerHeard, TaskFinished, TaskFailed, ArtifactsDropped, WorkerLeft>;
 
 }  // namespace depthfarm
 

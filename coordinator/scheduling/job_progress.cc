@@ -14,6 +14,14 @@ std::string StagingName(int frame, int attempt, LeaseId lease) {
   return "f" + std::to_string(frame) + "-a" + std::to_string(attempt) + "-l" + std::to_string(lease.value());
 }
 
+// Digests in place of paths, which mean something on the submitter's machine alone.
+std::pair<std::string, GuideFiles> NamesOf(const SourceDigests& files) {
+  const auto name = [](const std::optional<FileDigest>& file) {
+    return file ? std::string(file->sha256.begin(), file->sha256.end()) : std::string();
+  };
+  return {name(files.picture), {name(files.mask), name(files.prior), name(files.prior_confidence)}};
+}
+
 }  // namespace
 
 std::vector<WorkerId> HoldersToTell(const ArtifactDirectory& directory, const ArtifactKey& key, LeaseId lease) {
@@ -321,6 +329,10 @@ ArtifactKey JobProgress::AnalysisRequest(const TaskId& id) const {
   const auto frame = static_cast<std::size_t>(id.frame);
   std::vector<ArtifactKeys::Input> inputs;
   for (const TaskInput& input : BoundInputs(id)) inputs.push_back({input.role, input.artifact.key});
+  if (!job.uploads.empty()) {
+    const auto [picture, guides] = NamesOf(job.uploads[view][frame]);
+    return ArtifactKeys::AnalysisRequest(job.config, id.index, picture, guides, inputs);
+  }
   return ArtifactKeys::AnalysisRequest(job.config, id.index, job.pictures[view][frame],
                                        job.guides.empty() ? GuideFiles{} : job.guides[view][frame], inputs);
 }
@@ -336,6 +348,7 @@ TaskSpec JobProgress::Spec(const TaskId& id) const {
     const auto frame = static_cast<std::size_t>(id.frame);
     spec.picture = job.pictures[view][frame];
     if (!job.guides.empty()) spec.guides = job.guides[view][frame];
+    if (!job.uploads.empty()) spec.uploads = UploadedSources{job.uploads[view][frame], job.uploads_from};
   }
   if (id.kind == TaskKind::kPrepare) spec.files = DoneFiles();
   if (id.kind == TaskKind::kCommit) {

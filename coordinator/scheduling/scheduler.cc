@@ -31,6 +31,7 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
     const Status lost(ErrorCode::kUnavailable, "the worker was lost");
     RemoveWorker(*workers_.Find(id), &lost);
   }
+  EndJobsWithoutSubmitter();
   std::vector<std::pair<LeaseId, Lease>> overdue;
   for (const auto& [id, lease] : workers_.leases()) {
     if (lease.expires <= now) overdue.emplace_back(id, lease);

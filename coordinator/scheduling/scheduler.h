@@ -24,14 +24,15 @@
 namespace depthfarm {
 
 struct SchedulerOptions {
-  Milliseconds lease{6000};           // silence after which a task, or a worker, is given up
-  Milliseconds cleanup_grace{30000};  // how long a failed job waits for its Cleanup before it ends without
-  int max_attempts = 4;               // of one task, before its job fails
-  int max_setbacks = 16;              // times that a task's artifact or inputs may be lost, before its job fails
-  int ready_per_slot = 2;             // another GOP is opened when fewer tasks are ready for each slot of a worker
-  int max_open_gops = 1024;           // of one job
-  int gops_at_once = 64;              // opened for one event: it must take well less than a lease
-  std::uint64_t first_lease = 1;      // a number that no earlier coordinator of the same workers used
+  Milliseconds lease{6000};               // silence after which a task, or a worker, is given up
+  Milliseconds cleanup_grace{30000};      // how long a failed job waits for its Cleanup before it ends without
+  Milliseconds submitter_silence{30000};  // after which a job whose submitter serves its pictures fails
+  int max_attempts = 4;                   // of one task, before its job fails
+  int max_setbacks = 16;                  // times that a task's artifact or inputs may be lost, before its job fails
+  int ready_per_slot = 2;                 // another GOP is opened when fewer tasks are ready for each slot of a worker
+  int max_open_gops = 1024;               // of one job
+  int gops_at_once = 64;                  // opened for one event: it must take well less than a lease
+  std::uint64_t first_lease = 1;          // a number that no earlier coordinator of the same workers used
 };
 
 // All that the coordinator knows and decides. Holds no socket, file, thread or clock; the same events at the same times
@@ -77,6 +78,7 @@ class Scheduler {
     std::uint64_t last_grant = 0;  // number of its newest lease
     GopHomes homes;
     TimePoint submitted;
+    std::optional<TimePoint> submitter_due;  // of a job with uploads: when its submitter must have been heard of
     std::unique_ptr<JobProgress> progress;
     JobState ending = JobState::kRunning;  // what it will be when leases and Cleanup are over
     Status error;
@@ -87,6 +89,7 @@ class Scheduler {
   };
 
   void On(const JobSubmitted& event);
+  void On(const SubmitterHeard& event);
   void On(const JobCancelled& event);
   void On(const ResultsRestored& event);
   void On(const JobForgotten& event);
@@ -117,6 +120,7 @@ class Scheduler {
   void ReleaseUnneeded(const std::vector<ArtifactKey>& keys);
   [[nodiscard]] bool IsNeeded(const ArtifactKey& key) const;
   [[nodiscard]] bool IsResult(const ArtifactKey& key) const;
+  void EndJobsWithoutSubmitter();
   void AdvanceEndings();
   void EndDrainedWorkers();
   void UpdateTaken();

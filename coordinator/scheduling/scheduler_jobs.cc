@@ -19,6 +19,7 @@ void Scheduler::On(const JobSubmitted& event) {
   job.tags = event.tags;
   job.taken = workers_.AnyFor(job.tags);
   job.submitted = now_;
+  if (event.serves_uploads) job.submitter_due = now_ + options_.submitter_silence;
   job.progress = std::make_unique<JobProgress>(event.job, directory_, options_.max_setbacks, event.committed);
   AddNote(Note::Severity::kInfo, "job_submitted",
           {{"job", std::to_string(id.value())},
@@ -31,6 +32,22 @@ void Scheduler::On(const JobSubmitted& event) {
 }
 
 void Scheduler::On(const JobCancelled& event) { EndJobBadly(event.job, JobState::kCancelled, Cancelled()); }
+
+void Scheduler::On(const SubmitterHeard& event) {
+  idle_ = true;
+  JobRecord* job = FindJob(event.job);
+  if (job != nullptr && job->submitter_due) job->submitter_due = now_ + options_.submitter_silence;
+}
+
+void Scheduler::EndJobsWithoutSubmitter() {
+  for (auto& [id, job] : jobs_) {
+    if (!job.submitter_due || *job.submitter_due > now_) continue;
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(options_.submitter_silence).count();
+    EndJobBadly(id, JobState::kFailed,
+                Unavailable("its submitter, which serves its pictures (submit --upload), was silent for " +
+                            std::to_string(seconds) + " s"));
+  }
+}
 
 void Scheduler::On(const ResultsRestored& event) { ReleaseUnneeded(results_.Add(event.job, event.results)); }
 

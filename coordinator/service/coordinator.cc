@@ -33,6 +33,7 @@ SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint
   SchedulerOptions scheduler;
   scheduler.lease = options.lease;
   scheduler.cleanup_grace = 5 * options.lease;
+  scheduler.submitter_silence = 5 * options.lease;
   scheduler.max_attempts = options.max_attempts;
   scheduler.max_setbacks = 4 * options.max_attempts;
   scheduler.first_lease = first_lease;
@@ -318,6 +319,7 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
     case v1::Envelope::kListJobs:
       return ListJobs();
     case v1::Envelope::kGetJobStatus:
+      if (request.get_job_status().serves_uploads()) Dispatch(SubmitterHeard{JobId(request.get_job_status().job_id())});
       return StatusOf(JobId(request.get_job_status().job_id()));
     case v1::Envelope::kGetJobLogs:
       return LogsOf(request.get_job_logs());
@@ -345,6 +347,10 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
 Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
   const JobId id(last_job_ + 1);
   DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob job, PlanSubmission(request, id));
+  if (!job.uploads.empty() && !options_.keys_dir.empty() && job.uploads_from.public_key.empty() &&
+      job.uploads_from.endpoint.starts_with("tcp://")) {
+    return InvalidArgument("uploads: the server has no key, which this farm asks for");
+  }
   const std::optional<JobId> other =
       job.config.keeps_results ? std::nullopt : scheduler_.JobWritingTo(job.config.output_dir);
   if (other) {

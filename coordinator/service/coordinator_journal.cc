@@ -124,8 +124,9 @@ void Coordinator::Start(PlannedJob job, const v1::SubmitJob& submission, std::se
                         CommittedFrames committed) {
   jobs_[job.config.job] = {ToProto(job.config), Summary(job)};
   submitted_.emplace(job.config.job, now_);
-  Dispatch(
-      JobSubmitted{std::move(job), submission.name(), submission.priority(), std::move(tags), std::move(committed)});
+  const bool serves_uploads = !job.uploads.empty();
+  Dispatch(JobSubmitted{std::move(job), submission.name(), submission.priority(), std::move(tags), std::move(committed),
+                        serves_uploads});
 }
 
 Result<v1::Envelope> Coordinator::Retry(JobId id) {
@@ -136,6 +137,11 @@ Result<v1::Envelope> Coordinator::Retry(JobId id) {
   const std::optional<JobId> other = job->output_dir.empty() ? std::nullopt : scheduler_.JobWritingTo(job->output_dir);
   if (other) {
     return InvalidArgument(Name(*other) + " writes to " + job->output_dir + ": wait for it, or cancel it");
+  }
+  v1::SubmitJob submission;
+  if (submission.ParseFromString(job->submission) && submission.has_uploads_from()) {
+    return InvalidArgument("the pictures of " + Name(id) +
+                           " came from its submitter: submit it again with --upload, and what workers hold is reused");
   }
   DEPTHFARM_RETURN_IF_ERROR(GoOn(*job, true));
   if (scheduler_.Job(id)) history_.Remove(id);

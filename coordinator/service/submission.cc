@@ -3,14 +3,18 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "common/text/text_table.h"
+#include "common/transport/endpoint.h"
+#include "common/transport/keys.h"
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/render_wire.h"
 #include "common/wire/sequence_wire.h"
+#include "common/wire/task_wire.h"
 
 namespace depthfarm {
 namespace {
@@ -47,6 +51,46 @@ void ListFiles(const Sequence& sequence, PlannedJob& job) {
   }
 }
 
+Result<std::optional<FileDigest>> UploadOf(const google::protobuf::RepeatedPtrField<v1::FileDigest>& files, int frame,
+                                           const std::string& path) {
+  if (path.empty()) return std::optional<FileDigest>();
+  if (frame >= files.size()) return InvalidArgument("uploads: " + path + " has no digest");
+  Result<FileDigest> file = FromProto(files[frame]);
+  if (!file.ok()) return file.status().WithContext("uploads: " + path);
+  return std::optional<FileDigest>(*file);
+}
+
+// What the submitter serves of the job's views and frames.
+Status ListUploads(const v1::SubmitJob& request, PlannedJob& job) {
+  DEPTHFARM_ASSIGN_OR_RETURN(job.uploads_from, FromProto(request.uploads_from()));
+  DEPTHFARM_RETURN_IF_ERROR(ParseEndpoint(job.uploads_from.endpoint).status().WithContext("uploads"));
+  if (!job.uploads_from.public_key.empty() && !IsCurveKey(job.uploads_from.public_key))
+    return InvalidArgument("uploads: the server's key is no CURVE key");
+  const ResolvedJob& resolved = job.config.resolved;
+  for (std::size_t view = 0; view < resolved.views.size(); ++view) {
+    const std::string& name = resolved.views[view].camera.name;
+    const auto camera = std::ranges::find_if(request.sequence().cameras(), [&](const v1::SequenceCamera& candidate) {
+      return candidate.camera().name() == name;
+    });
+    const v1::UploadedFiles& uploads = camera->uploads();
+    std::vector<SourceDigests>& of_view = job.uploads.emplace_back();
+    for (int frame = 0; frame < resolved.num_frames; ++frame) {
+      const int f = resolved.params.first_frame + frame;
+      const auto position = static_cast<std::size_t>(frame);
+      const GuideFiles guides = job.guides.empty() ? GuideFiles() : job.guides[view][position];
+      SourceDigests files;
+      DEPTHFARM_ASSIGN_OR_RETURN(const auto picture, UploadOf(uploads.images(), f, job.pictures[view][position]));
+      files.picture = picture.value();
+      DEPTHFARM_ASSIGN_OR_RETURN(files.mask, UploadOf(uploads.masks(), f, guides.mask));
+      DEPTHFARM_ASSIGN_OR_RETURN(files.prior, UploadOf(uploads.prior(), f, guides.prior));
+      DEPTHFARM_ASSIGN_OR_RETURN(files.prior_confidence,
+                                 UploadOf(uploads.prior_confidence(), f, guides.prior_confidence));
+      of_view.push_back(files);
+    }
+  }
+  return {};
+}
+
 // A job that renders views: the sequence and its depth are read by the workers.
 Result<PlannedJob> PlanRendering(const v1::SubmitJob& request) {
   PlannedJob job;
@@ -70,6 +114,7 @@ Result<PlannedJob> PlanEstimation(const v1::SubmitJob& request) {
   job.config.sequence_name = sequence.name;
   job.config.sequence_file = sequence.file;
   ListFiles(sequence, job);
+  if (request.has_uploads_from()) DEPTHFARM_RETURN_IF_ERROR(ListUploads(request, job));
   return job;
 }
 

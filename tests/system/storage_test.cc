@@ -177,6 +177,66 @@ TEST_F(Results, FetchSaysWhatIsWrong) {
   EXPECT_EQ(nobody.exit_code, 3) << nobody.output;
 }
 
+// Workers for which the folder of the scene is empty.
+class Uploads : public Results {
+ protected:
+  void SetUp() override {
+    Results::SetUp();
+    fs::create_directories(folder_ / "empty");
+  }
+  [[nodiscard]] Words Blind() const { return {"--path-map", (folder_ / "here=") + (folder_ / "empty")}; }
+};
+
+TEST_F(Uploads, GiveTheDepthOfPicturesThatWorkersCannotSee) {
+  for (int i = 0; i < 2; ++i) farm_.AddWorker(Blind());
+  const Outcome submitted =
+      Depthfarm(Words{"submit", sequence_, "--upload", "-o", folder_ / "out", "--json"} + SmallJob() + farm_.Options());
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output << farm_.Logs();
+  const nlohmann::json report = ParseJsonTail(submitted.output);
+  EXPECT_EQ(report["state"], "done");
+  EXPECT_EQ(report["fetch"]["framesFetched"], 8);
+  ExpectWhole("out");
+}
+
+TEST_F(Uploads, AreTheSameWorkAsPicturesThatWorkersSee) {
+  farm_.AddWorker();
+  Submit({"-o", folder_ / "read", "--wait"});
+  const Outcome submitted = Depthfarm(Words{"submit", sequence_, "--upload", "--json"} + SmallJob() + farm_.Options());
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output << farm_.Logs();
+  const nlohmann::json report = ParseJsonTail(submitted.output);
+  for (const auto& stage : report["stages"]) {
+    if (stage["stage"] == "emit") continue;  // files before, a bundle now
+    EXPECT_EQ(stage["reused"], stage["tasksDone"]) << stage;
+  }
+  EXPECT_EQ(report["keepsResults"], true);
+  EXPECT_EQ(Report(2, "out", 0)["framesFetched"], 8);
+  ExpectWhole("out");
+}
+
+TEST_F(Uploads, GoOverCurve) {
+  ASSERT_EQ(Depthfarm({"keygen", "-o", folder_ / "keys"}).exit_code, 0);
+  Farm farm("tcp://127.0.0.1:*", folder_ / "keys");
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker(Blind());
+  const Outcome submitted =
+      Depthfarm(Words{"submit", sequence_, "--upload", "-o", folder_ / "out"} + SmallJob() + farm.Options());
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output << farm.Logs();
+  ExpectWhole("out");
+}
+
+TEST_F(Uploads, EndWithTheirSubmitter) {
+  const Words words = Words{"submit", sequence_, "--upload"} + SmallJob() + farm_.Options();
+  Result<ChildProcess> submitter = ChildProcess::Start(Program("depthfarm"), words, folder_ / "log");
+  ASSERT_TRUE(submitter.ok()) << submitter.status().message();
+  ASSERT_TRUE(WaitUntil([&] { return farm_.client().GetStatus(1).ok(); })) << ReadFile(folder_ / "log");
+  submitter->Signal(SIGINT);
+  const std::optional<ProcessEnd> end = submitter->WaitFor(kDeadline);
+  ASSERT_TRUE(end.has_value());
+  EXPECT_EQ(end->exit_code, 130) << ReadFile(folder_ / "log");
+  EXPECT_THAT(ReadFile(folder_ / "log"), HasSubstr("job 1 was cancelled"));
+  EXPECT_EQ(farm_.client().GetStatus(1)->state(), v1::JOB_STATE_CANCELLED);
+}
+
 TEST(PathMapOption, RefusesWhatIsNoMap) {
   const Outcome outcome = RunProgram("depthfarm-worker", {"--coordinator", "ipc:///tmp/x", "--path-map", "/a/..=/b"});
   EXPECT_EQ(outcome.exit_code, 2);

@@ -16,15 +16,10 @@
 
 #include "common/base/status.h"
 #include "common/job/task_spec.h"
+#include "worker/artifacts/chunk_source.h"
 #include "worker/artifacts/key_locks.h"
 
 namespace depthfarm {
-
-// A piece of an artifact, for peers.
-struct ArtifactChunk {
-  std::uint64_t total_bytes = 0;
-  std::string data;
-};
 
 class ArtifactStore;
 
@@ -56,13 +51,13 @@ class ArtifactPins {
 // Bound    Sum of the files. The least recently used goes first, released ones before all others, kept ones after all
 //          others, pinned ones never.
 // Threads  Every function may be called from any thread; files are read and written outside the lock.
-class ArtifactStore {
+class ArtifactStore : public ChunkSource {
  public:
   // Opens the folder (made if missing), removes what an earlier run left half-written or damaged and evicts down to
   // `max_bytes`. Errors: kUnavailable when the folder cannot be made, read or is in use by another worker.
   [[nodiscard]] static Result<std::unique_ptr<ArtifactStore>> Open(std::filesystem::path folder,
                                                                    std::uint64_t max_bytes);
-  ~ArtifactStore();
+  ~ArtifactStore() override;
   ArtifactStore(const ArtifactStore&) = delete;
   ArtifactStore& operator=(const ArtifactStore&) = delete;
 
@@ -78,7 +73,8 @@ class ArtifactStore {
 
   // Bytes [offset, offset + max_bytes) or as many as there are. Errors as Get; kInvalidArgument for an offset past the
   // end.
-  [[nodiscard]] Result<ArtifactChunk> ReadChunk(const ArtifactKey& key, std::uint64_t offset, std::uint64_t max_bytes);
+  [[nodiscard]] Result<ArtifactChunk> ReadChunk(const ArtifactKey& key, std::uint64_t offset,
+                                                std::uint64_t max_bytes) override;
 
   [[nodiscard]] std::optional<ArtifactInfo> Find(const ArtifactKey& key) const;
   // All artifacts by key.

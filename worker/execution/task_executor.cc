@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <new>
@@ -27,6 +28,7 @@
 #include "worker/execution/fetch_ahead.h"
 #include "worker/execution/output_folder.h"
 #include "worker/execution/resource_usage.h"
+#include "worker/execution/uploaded_files.h"
 #include "worker/execution/views_manifest.h"
 #include "worker/refinement/refine.h"
 #include "worker/refinement/refined_view_codec.h"
@@ -88,6 +90,7 @@ void Count(const EstimationStats& from, TaskStats& to) {
 std::vector<ArtifactKey> KeysOf(const TaskSpec& spec) {
   std::vector<ArtifactKey> keys;
   for (const TaskInput& input : spec.inputs) keys.push_back(input.artifact.key);
+  for (const TaskInput& upload : UploadsOf(spec)) keys.push_back(upload.artifact.key);
   if (spec.output_key.has_value()) keys.push_back(*spec.output_key);
   return keys;
 }
@@ -211,20 +214,39 @@ struct GuideBytes {
   std::optional<std::string> prior_confidence;
 };
 
-Result<std::optional<std::string>> ReadGuide(const std::string& path) {
+// Reads a guide: by its path, or what the submitter serves of it.
+using ReadFile = std::function<Result<std::string>(const std::string& path, const std::optional<FileDigest>& upload)>;
+
+Result<std::optional<std::string>> ReadGuide(const ReadFile& read, const std::string& path,
+                                             const std::optional<FileDigest>& upload) {
   if (path.empty()) return std::optional<std::string>();
-  DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, ReadFileBytes(path, kMaxGuideBytes));
+  DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, read(path, upload));
   return std::optional<std::string>(std::move(bytes));
 }
 
-Result<GuideBytes> ReadGuides(const GuideFiles& files) {
+Result<GuideBytes> ReadGuides(const ReadFile& read, const TaskSpec& spec) {
+  const GuideFiles& files = spec.guides;
+  const SourceDigests uploads = spec.uploads ? spec.uploads->files : SourceDigests();
   GuideBytes guides;
-  DEPTHFARM_ASSIGN_OR_RETURN(guides.mask, ReadGuide(files.mask));
-  DEPTHFARM_ASSIGN_OR_RETURN(guides.prior, ReadGuide(files.prior));
+  DEPTHFARM_ASSIGN_OR_RETURN(guides.mask, ReadGuide(read, files.mask, uploads.mask));
+  DEPTHFARM_ASSIGN_OR_RETURN(guides.prior, ReadGuide(read, files.prior, uploads.prior));
   if (guides.prior.has_value()) {
-    DEPTHFARM_ASSIGN_OR_RETURN(guides.prior_confidence, ReadGuide(files.prior_confidence));
+    DEPTHFARM_ASSIGN_OR_RETURN(guides.prior_confidence,
+                               ReadGuide(read, files.prior_confidence, uploads.prior_confidence));
   }
   return guides;
+}
+
+// Of uploads the job says them: equal files give equal names, however they are read.
+AnalysisDigests DigestsOf(const SourceDigests& uploads) {
+  const auto digest = [](const std::optional<FileDigest>& file) {
+    return file ? std::optional<ContentDigest>(file->sha256) : std::nullopt;
+  };
+  return {.picture = uploads.picture.sha256,
+          .mask = digest(uploads.mask),
+          .prior = digest(uploads.prior),
+          .prior_confidence = uploads.prior ? digest(uploads.prior_confidence) : std::nullopt,
+          .before = {}};
 }
 
 std::optional<ContentDigest> DigestOf(const std::optional<std::string>& bytes) {
@@ -258,27 +280,44 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     return InvalidArgument(TaskName(task.spec.id) + (refers ? ": expected the analysis of the frame before"
                                                             : ": expected no analysis of another frame"));
   }
-  DEPTHFARM_ASSIGN_OR_RETURN(const GuideBytes guides, ReadGuides(task.spec.guides));
+  const ReadFile read = [&](const std::string& file, const std::optional<FileDigest>& upload) -> Result<std::string> {
+    if (!task.spec.uploads) return ReadFileBytes(file, kMaxGuideBytes);
+    return ReadUpload(store_, fetcher_, upload.value_or(FileDigest()), task.spec.uploads->from, file, task.stop,
+                      outcome.stats.fetched_bytes);
+  };
+  GuideBytes guides;
   YcbcrImage picture;
   {
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes,
-                               ReadPictureBytes(path, view.format, view.source_width, view.source_height));
-    const AnalysisDigests digests{.picture = Sha256(bytes),
-                                  .mask = DigestOf(guides.mask),
-                                  .prior = DigestOf(guides.prior),
-                                  .prior_confidence = DigestOf(guides.prior_confidence),
-                                  .before = task.KeyOf(InputRole::kPreviousAnalysis)};
+    std::string bytes;
+    AnalysisDigests digests;
+    if (task.spec.uploads) {
+      digests = DigestsOf(task.spec.uploads->files);
+    } else {
+      DEPTHFARM_ASSIGN_OR_RETURN(guides, ReadGuides(read, task.spec));
+      DEPTHFARM_ASSIGN_OR_RETURN(bytes, ReadPictureBytes(path, view.format, view.source_width, view.source_height));
+      digests = {.picture = Sha256(bytes),
+                 .mask = DigestOf(guides.mask),
+                 .prior = DigestOf(guides.prior),
+                 .prior_confidence = DigestOf(guides.prior_confidence),
+                 .before = {}};
+    }
+    digests.before = task.KeyOf(InputRole::kPreviousAnalysis);
     const ArtifactKey key = AnalysisKey(view, params, digests);
     outcome.picture_digest = digests.picture;
     outcome.output_key = key;
     outcome.pins->push_back(store_.Pin({key}));
     if (task.spec.known.has_value() && task.spec.known->artifact.key == key)
-      outcome.stats.fetched_bytes = FetchIntoStore(store_, fetcher_, *task.spec.known, task.stop);
+      outcome.stats.fetched_bytes += FetchIntoStore(store_, fetcher_, *task.spec.known, task.stop);
     if (const auto known = task.inputs.Find<ViewAnalysis>(key); known != nullptr) {
       outcome.artifact = store_.Find(key);
       outcome.stats.segments = static_cast<std::uint32_t>(known->segments.num_segments());
       outcome.stats.reused = outcome.artifact.has_value();
       if (outcome.stats.reused) return {};
+    }
+    if (task.spec.uploads) {
+      DEPTHFARM_ASSIGN_OR_RETURN(guides, ReadGuides(read, task.spec));
+      DEPTHFARM_ASSIGN_OR_RETURN(bytes, read(path, task.spec.uploads->files.picture));
+      ReleaseUploads(task);
     }
     Result<YcbcrImage> decoded =
         DecodePicture(bytes, view.format, view.source_width, view.source_height, params.downscale);
@@ -298,6 +337,12 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
   DEPTHFARM_ASSIGN_OR_RETURN(outcome.artifact, store_.Put(*outcome.output_key, EncodeAnalysis(analysis)));
   cache_.Put(*outcome.output_key, std::make_shared<const ViewAnalysis>(std::move(analysis)));
   return {};
+}
+
+void TaskExecutor::ReleaseUploads(const Task& task) {
+  std::vector<ArtifactKey> read;
+  for (const TaskInput& upload : UploadsOf(task.spec)) read.push_back(upload.artifact.key);
+  store_.Release(read);
 }
 
 Result<ViewAnalysis> TaskExecutor::SegmentsOf(const Task& task, const JobView& view, YcbcrImage picture) {

@@ -59,6 +59,8 @@ class TaskExecutor {
   [[nodiscard]] Status Run(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Analyse(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status AnalysePicture(const Task& task, const JobView& view, TaskOutcome& outcome);
+  // No other task reads the files that the submitter serves for this one.
+  void ReleaseUploads(const Task& task);
   // The picture with its segments; of a P frame those of the frame before where it stands still.
   [[nodiscard]] static Result<ViewAnalysis> SegmentsOf(const Task& task, const JobView& view, YcbcrImage picture);
   [[nodiscard]] Status Estimate(const Task& task, TaskOutcome& outcome);

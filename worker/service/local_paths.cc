@@ -12,6 +12,7 @@ JobConfig WithLocalPaths(JobConfig config, const PathMap& map) {
 }
 
 TaskSpec WithLocalPaths(TaskSpec spec, const PathMap& map) {
+  if (spec.uploads) return spec;  // names of files of another machine
   spec.picture = map.Map(spec.picture);
   spec.guides.mask = map.Map(spec.guides.mask);
   spec.guides.prior = map.Map(spec.guides.prior);

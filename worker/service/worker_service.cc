@@ -15,8 +15,8 @@
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
-#include "worker/service/addresses.h"
 #include "worker/service/local_paths.h"
+#include "worker/transfer/addresses.h"
 
 namespace depthfarm {
 namespace {

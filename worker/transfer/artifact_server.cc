@@ -15,18 +15,18 @@ constexpr std::chrono::milliseconds kWait{1000};
 // A peer has up to 8 requests under way, and may have given up as many: more is somebody who does not read.
 constexpr int kMaxQueuedAnswers = 64;
 
-Result<ArtifactChunk> ReadRequested(ArtifactStore& store, const v1::GetChunk& request) {
+Result<ArtifactChunk> ReadRequested(ChunkSource& source, const v1::GetChunk& request) {
   DEPTHFARM_ASSIGN_OR_RETURN(const ArtifactKey key, DigestFromBytes("get_chunk.key", request.key()));
   if (request.max_bytes() == 0 || request.max_bytes() > kMaxChunkBytes) {
     return InvalidArgument("get_chunk.max_bytes is " + std::to_string(request.max_bytes()) + ", expected 1 to " +
                            std::to_string(kMaxChunkBytes));
   }
-  return store.ReadChunk(key, request.offset(), request.max_bytes());
+  return source.ReadChunk(key, request.offset(), request.max_bytes());
 }
 
 }  // namespace
 
-PeerAnswer AnswerPeer(ArtifactStore& store, const v1::Envelope& request) {
+PeerAnswer AnswerPeer(ChunkSource& source, const v1::Envelope& request) {
   PeerAnswer peer_answer;
   v1::Envelope& answer = peer_answer.envelope;
   answer.set_request_id(request.request_id());
@@ -38,7 +38,7 @@ PeerAnswer AnswerPeer(ArtifactStore& store, const v1::Envelope& request) {
   v1::Chunk& chunk = *answer.mutable_chunk();
   chunk.set_key(request.get_chunk().key().substr(0, std::tuple_size_v<ArtifactKey>));
   chunk.set_offset(request.get_chunk().offset());
-  Result<ArtifactChunk> read = ReadRequested(store, request.get_chunk());
+  Result<ArtifactChunk> read = ReadRequested(source, request.get_chunk());
   if (read.ok()) {
     chunk.set_total_bytes(read->total_bytes);
     peer_answer.attachment = std::move(read->data);
@@ -48,18 +48,18 @@ PeerAnswer AnswerPeer(ArtifactStore& store, const v1::Envelope& request) {
   return peer_answer;
 }
 
-Result<std::unique_ptr<ArtifactServer>> ArtifactServer::Start(TransportContext& context, ArtifactStore& store,
+Result<std::unique_ptr<ArtifactServer>> ArtifactServer::Start(TransportContext& context, ChunkSource& source,
                                                               const std::string& endpoint,
                                                               const std::string& curve_secret_key) {
   const ServerOptions options{.curve_secret_key = curve_secret_key,
                               .max_message_bytes = kMaxRequestBytes,
                               .max_queued_messages = kMaxQueuedAnswers};
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<ServerChannel> channel, ServerChannel::Bind(context, endpoint, options));
-  return std::unique_ptr<ArtifactServer>(new ArtifactServer(store, std::move(channel)));
+  return std::unique_ptr<ArtifactServer>(new ArtifactServer(source, std::move(channel)));
 }
 
-ArtifactServer::ArtifactServer(ArtifactStore& store, std::unique_ptr<ServerChannel> channel)
-    : store_(store), channel_(std::move(channel)), endpoint_(channel_->endpoint()), thread_([this] { Serve(); }) {}
+ArtifactServer::ArtifactServer(ChunkSource& source, std::unique_ptr<ServerChannel> channel)
+    : source_(source), channel_(std::move(channel)), endpoint_(channel_->endpoint()), thread_([this] { Serve(); }) {}
 
 ArtifactServer::~ArtifactServer() {
   stopping_ = true;
@@ -90,7 +90,7 @@ void ArtifactServer::AnswerWaiting() {
     const Result<v1::Envelope> request = ParseEnvelope((*message)->payload);
     PeerAnswer answer;
     if (request.ok()) {
-      answer = AnswerPeer(store_, *request);
+      answer = AnswerPeer(source_, *request);
     } else {
       *answer.envelope.mutable_error() = ToProto(request.status());
     }

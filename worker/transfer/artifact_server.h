@@ -11,7 +11,7 @@
 #include "common/transport/poller.h"
 #include "common/transport/server_channel.h"
 #include "common/wire/envelope.h"
-#include "worker/artifacts/store.h"
+#include "worker/artifacts/chunk_source.h"
 
 namespace depthfarm {
 
@@ -25,16 +25,16 @@ struct PeerAnswer {
 };
 
 // What an artifact server answers. GetChunk: a Chunk and its bytes as attachment, or a Chunk whose error says what is
-// wrong (kUnavailable: not in this store; kInvalidArgument: no key, offset past the end, more than kMaxChunkBytes or
+// wrong (kUnavailable: not here; kInvalidArgument: no key, offset past the end, more than kMaxChunkBytes or
 // nothing asked for). Anything else: Error.
-[[nodiscard]] PeerAnswer AnswerPeer(ArtifactStore& store, const v1::Envelope& request);
+[[nodiscard]] PeerAnswer AnswerPeer(ChunkSource& source, const v1::Envelope& request);
 
-// Serves the artifacts of a store to other workers from a thread of its own, until it is destroyed. Peers that do not
+// Serves artifacts to other workers from a thread of its own, until it is destroyed. Peers that do not
 // read their answers lose them: nothing waits for anybody, and at most 64 chunks wait for one peer.
 class ArtifactServer {
  public:
-  // `curve_secret_key` empty: no CURVE. Errors as ServerChannel::Bind. Context and store must outlive the server.
-  [[nodiscard]] static Result<std::unique_ptr<ArtifactServer>> Start(TransportContext& context, ArtifactStore& store,
+  // `curve_secret_key` empty: no CURVE. Errors as ServerChannel::Bind. Context and source must outlive the server.
+  [[nodiscard]] static Result<std::unique_ptr<ArtifactServer>> Start(TransportContext& context, ChunkSource& source,
                                                                      const std::string& endpoint,
                                                                      const std::string& curve_secret_key);
   ~ArtifactServer();
@@ -45,11 +45,11 @@ class ArtifactServer {
   [[nodiscard]] const std::string& endpoint() const { return endpoint_; }
 
  private:
-  ArtifactServer(ArtifactStore& store, std::unique_ptr<ServerChannel> channel);
+  ArtifactServer(ChunkSource& source, std::unique_ptr<ServerChannel> channel);
   void Serve();
   void AnswerWaiting();
 
-  ArtifactStore& store_;
+  ChunkSource& source_;
   std::unique_ptr<ServerChannel> channel_;
   const std::string endpoint_;
   Poller poller_;

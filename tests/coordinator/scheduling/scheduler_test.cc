@@ -779,5 +779,48 @@ TEST(KeptResultsOfAJob, StayWhenTheJobIsCancelled) {
   EXPECT_EQ(farm.scheduler.JobWritingTo(""), std::nullopt);
 }
 
+// A job whose submitter serves its pictures.
+PlannedJob MakeUploadedJob() {
+  PlannedJob job = MakePlannedJob({.frames = 2, .views = 2});
+  for (std::uint8_t view = 0; view < 2; ++view) {
+    job.uploads.emplace_back();
+    for (std::uint8_t frame = 0; frame < 2; ++frame)
+      job.uploads.back().push_back({.picture = {{view, frame}, 7}, .mask = {}, .prior = {}, .prior_confidence = {}});
+  }
+  job.uploads_from = {"tcp://submitter:7", ""};
+  return job;
+}
+
+TEST(Scheduler, TasksThatReadUploadsAreToldWhatAndWhere) {
+  FakeFarm farm;
+  farm.Send(JobSubmitted{MakeUploadedJob(), "job", 0, {}, {}, true});
+  const WorkerId worker = farm.JoinAndAsk();
+  const Grant analyse = RunUntil(farm, worker, TaskKind::kAnalyse);
+  ASSERT_TRUE(analyse.task.spec.uploads.has_value());
+  EXPECT_EQ(analyse.task.spec.uploads->from.endpoint, "tcp://submitter:7");
+  const auto view = static_cast<std::uint8_t>(analyse.task.spec.id.index);
+  EXPECT_EQ(analyse.task.spec.uploads->files.picture, (FileDigest{{view, 0}, 7}));
+}
+
+TEST(Scheduler, AJobWithUploadsFailsWhenItsSubmitterIsSilent) {
+  FakeFarm farm;
+  farm.Send(JobSubmitted{MakeUploadedJob(), "job", 0, {}, {}, true});
+  farm.Submit(MakePlannedJob({.id = 2}));
+  for (int i = 0; i < 4; ++i) {
+    farm.Pass(milliseconds(20'000));
+    farm.Send(SubmitterHeard{JobId(1)});
+    farm.Send(SubmitterHeard{JobId(2)});  // has none
+    farm.Send(SubmitterHeard{JobId(9)});
+  }
+  EXPECT_TRUE(farm.ended.empty());
+  farm.Pass(milliseconds(29'999));
+  EXPECT_TRUE(farm.ended.empty());
+  farm.Pass(milliseconds(1));
+  ASSERT_TRUE(farm.ended.contains(JobId(1)));
+  EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kFailed);
+  EXPECT_THAT(farm.ended.at(JobId(1)).error.message(), testing::HasSubstr("was silent for 30 s"));
+  EXPECT_FALSE(farm.ended.contains(JobId(2)));
+}
+
 }  // namespace
 }  // namespace depthfarm

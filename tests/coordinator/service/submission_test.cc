@@ -96,5 +96,33 @@ TEST(Submission, AJobThatKeepsItsResultsHasNoFolder) {
   EXPECT_EQ(Plan(request).status().code(), ErrorCode::kInvalidArgument);
 }
 
+TEST(Submission, UploadsAreThoseOfTheJobsFramesAndViews) {
+  v1::Envelope request = SubmitRequest(3, "/out");
+  v1::SubmitJob& submit = *request.mutable_submit_job();
+  submit.mutable_params()->set_first_frame(1);
+  submit.mutable_uploads_from()->set_endpoint("tcp://submitter:7");
+  EXPECT_EQ(Plan(request).status().code(), ErrorCode::kInvalidArgument) << "pictures without digests";
+  for (int c = 0; c < 3; ++c) {
+    v1::UploadedFiles& files = *submit.mutable_sequence()->mutable_cameras(c)->mutable_uploads();
+    files.add_images();  // frame 0 is not read
+    for (int f = 1; f < 3; ++f) {
+      files.add_images()->set_sha256(std::string(32, static_cast<char>('a' + 3 * c + f)));
+      files.mutable_images(f)->set_bytes(100);
+    }
+  }
+  const Result<PlannedJob> job = Plan(request);
+  ASSERT_TRUE(job.ok()) << job.status().message();
+  EXPECT_EQ(job->uploads_from, (ArtifactLocation{"tcp://submitter:7", ""}));
+  ASSERT_EQ(job->uploads.size(), 3U);
+  ASSERT_EQ(job->uploads[2].size(), 2U);
+  EXPECT_EQ(job->uploads[2][0].picture.sha256[0], 'a' + 7);
+  EXPECT_FALSE(job->uploads[2][0].mask.has_value());
+  submit.mutable_uploads_from()->set_endpoint("http://submitter");
+  EXPECT_FALSE(Plan(request).ok());
+  submit.mutable_uploads_from()->set_endpoint("tcp://submitter:7");
+  submit.mutable_uploads_from()->set_public_key(std::string(40, '"'));
+  EXPECT_FALSE(Plan(request).ok());
+}
+
 }  // namespace
 }  // namespace depthfarm

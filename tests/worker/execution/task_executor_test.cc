@@ -591,5 +591,36 @@ TEST(TaskExecutor, AJobThatKeepsItsResultsMakesTheSameFilesAsOneArtifact) {
   EXPECT_EQ(again.artifact, made.artifact);
 }
 
+TEST(TaskExecutor, AnAnalysisIsTheSameWhetherItsPictureIsReadOrFetched) {
+  SmallJob job;
+  TestWorker reader;
+  const TaskSpec spec = job.Analyse(0, 1);
+  const TaskOutcome read = reader.Execute(spec, job.config);
+  ASSERT_TRUE(read.status.ok()) << read.status.message();
+
+  const std::string bytes = ReadFileBytes(spec.picture, 1 << 20).value();
+  TestWorker submitter;  // its store stands for the submitter's files
+  ASSERT_TRUE(submitter.store->Put(Sha256(bytes), bytes).ok());
+  TestWorker worker;
+  worker.fetcher.stores = {submitter.store.get()};
+  TaskSpec uploaded = spec;
+  uploaded.picture = "/nowhere/0000.y";
+  uploaded.uploads =
+      UploadedSources{{.picture = {Sha256(bytes), bytes.size()}, .mask = {}, .prior = {}, .prior_confidence = {}},
+                      {"ipc:///submitter", ""}};
+  const TaskOutcome fetched = worker.Execute(uploaded, job.config);
+  ASSERT_TRUE(fetched.status.ok()) << fetched.status.message();
+  EXPECT_EQ(fetched.output_key, read.output_key);
+  EXPECT_EQ(fetched.artifact, read.artifact);
+  EXPECT_EQ(fetched.picture_digest, read.picture_digest);
+  EXPECT_EQ(fetched.stats.fetched_bytes, bytes.size());
+  EXPECT_EQ(worker.fetcher.fetches, 1);
+
+  // What was made before is found by the digests alone.
+  const TaskOutcome again = worker.Execute(uploaded, job.config);
+  EXPECT_TRUE(again.stats.reused);
+  EXPECT_EQ(worker.fetcher.fetches, 1);
+}
+
 }  // namespace
 }  // namespace depthfarm

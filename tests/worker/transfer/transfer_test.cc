@@ -9,6 +9,7 @@
 #include "common/digest/sha256.h"
 #include "common/wire/task_wire.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/artifacts/store.h"
 #include "worker/transfer/artifact_client.h"
 #include "worker/transfer/artifact_server.h"
 

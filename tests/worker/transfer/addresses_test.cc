@@ -1,4 +1,4 @@
-#include "worker/service/addresses.h"
+#include "worker/transfer/addresses.h"
 
 #include <gtest/gtest.h>
 

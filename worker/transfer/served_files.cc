@@ -1,0 +1,88 @@
+#include "worker/transfer/served_files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+
+#include "common/digest/sha256.h"
+#include "common/files/open_file.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 32;
+constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
+
+// O_NONBLOCK: opening a pipe without a writer would wait for ever; it has no effect on regular files.
+OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)); }
+
+// As many as there are, at most `count`.
+Result<std::string> ReadAt(const std::string& path, const OpenFile& file, std::uint64_t offset, std::size_t count) {
+  std::string bytes(count, '\0');
+  std::size_t have = 0;
+  while (have < count) {
+    const ssize_t got = pread(file.descriptor(), bytes.data() + have, count - have, static_cast<off_t>(offset + have));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return FileFailure(path, "read the file");
+    if (got == 0) break;
+    have += static_cast<std::size_t>(got);
+  }
+  bytes.resize(have);
+  return bytes;
+}
+
+bool SameTime(const timespec& a, const timespec& b) { return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec; }
+
+}  // namespace
+
+Result<FileDigest> ServedFiles::Add(const std::string& path, const std::function<bool()>& stop) {
+  if (const auto known = added_.find(path); known != added_.end()) return known->second;
+  const OpenFile file = OpenToRead(path);
+  if (!file.ok()) return FileFailure(path, "open the file");
+  struct stat facts {};
+  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
+  if (!S_ISREG(facts.st_mode)) return InvalidArgument(path + ": is not a regular file");
+  FileDigest digest;
+  digest.bytes = static_cast<std::uint64_t>(facts.st_size);
+  if (digest.bytes == 0 || digest.bytes > kMaxFileBytes) {
+    return InvalidArgument(path + ": holds " + std::to_string(digest.bytes) + " bytes, expected 1 to " +
+                           std::to_string(kMaxFileBytes));
+  }
+  Sha256Hasher hasher;
+  for (std::uint64_t at = 0; at < digest.bytes; at += kPieceBytes) {
+    if (stop()) return Cancelled();
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::string piece, ReadAt(path, file, at, kPieceBytes));
+    if (piece.size() != std::min<std::uint64_t>(kPieceBytes, digest.bytes - at))
+      return Unavailable(path + ": changed while it was read");
+    hasher.Update(piece);
+  }
+  digest.sha256 = hasher.Finish();
+  files_[digest.sha256] = {path, digest.bytes, facts.st_mtim};
+  added_[path] = digest;
+  return digest;
+}
+
+Result<ArtifactChunk> ServedFiles::ReadChunk(const ArtifactKey& key, std::uint64_t offset, std::uint64_t max_bytes) {
+  const auto found = files_.find(key);
+  if (found == files_.end()) return Unavailable("file " + Hex(key) + ": is not served here");
+  const File& served = found->second;
+  if (offset > served.bytes)
+    return InvalidArgument(served.path + ": offset " + std::to_string(offset) + " is past its end");
+  const OpenFile file = OpenToRead(served.path);
+  if (!file.ok()) return FileFailure(served.path, "open the file");
+  struct stat facts {};
+  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(served.path, "examine the file");
+  const std::uint64_t count = std::min(max_bytes, served.bytes - offset);
+  DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, ReadAt(served.path, file, offset, static_cast<std::size_t>(count)));
+  if (!S_ISREG(facts.st_mode) || static_cast<std::uint64_t>(facts.st_size) != served.bytes ||
+      !SameTime(facts.st_mtim, served.changed) || bytes.size() != count) {
+    return Corrupt(served.path + ": was changed since the job was submitted");
+  }
+  return ArtifactChunk{served.bytes, std::move(bytes)};
+}
+
+}  // namespace depthfarm
