@@ -22,7 +22,7 @@ CREATE TABLE last_job (id INTEGER NOT NULL);
 INSERT INTO last_job VALUES (0);
 )";
 
-constexpr const char* kColumns = "id, algorithm_version, output_dir, submission, state, status";
+constexpr const char* kColumns = "id, algorithm_version, output_dir, submission, state, status, ended";
 
 std::int64_t Number(JobId id) { return static_cast<std::int64_t>(id.value()); }
 
@@ -41,7 +41,8 @@ Result<JournaledJob> JobOf(const Statement& row, const std::string& path) {
                       row.Bytes(2),
                       row.Bytes(3),
                       static_cast<JobState>(state),
-                      row.Bytes(5)};
+                      row.Bytes(5),
+                      row.Integer(6) > 0};
 }
 
 // Writes that must be on the disk before anybody hears of them.
@@ -110,6 +111,15 @@ Status Journal::Commit(JobId job, int frame, const CommittedFrame& committed) {
       .Bind(Number(job))
       .Bind(frame)
       .BindBlob(EncodeFrame(committed))
+      .Run();
+}
+
+Status Journal::Cancel(JobId job) {
+  const Synced synced(*database_);
+  DEPTHFARM_RETURN_IF_ERROR(synced.status());
+  return database_->Prepare("UPDATE jobs SET state = ? WHERE id = ? AND ended = 0")
+      .Bind(static_cast<std::int64_t>(JobState::kCancelled))
+      .Bind(Number(job))
       .Run();
 }
 
@@ -210,7 +220,7 @@ Result<std::string> CheckJournal(const std::string& path) {
   std::size_t running = 0;
   std::size_t frames = 0;
   for (const JournaledJob& job : jobs) {
-    running += job.state == JobState::kRunning ? 1 : 0;
+    running += job.ended ? 0 : 1;
     DEPTHFARM_ASSIGN_OR_RETURN(const CommittedFrames committed, journal->Frames(job.id));
     frames += committed.size();
   }

@@ -22,8 +22,9 @@ struct JournaledJob {
   std::uint32_t algorithm_version = 0;  // that made its frames
   std::string output_dir;
   std::string submission;  // empty once it is done with, or forgotten (JournalOptions::kept_submissions)
-  JobState state = JobState::kRunning;
-  std::string status;  // of a job that ended
+  JobState state = JobState::kRunning;  // kCancelled before it ended: its submitter asked for the end
+  std::string status = {};              // of a job that ended
+  bool ended = false;
 };
 
 struct JournalOptions {
@@ -36,7 +37,7 @@ struct JournalOptions {
 // What must outlive the coordinator, in one SQLite file: jobs, and which of their frames are in place. All else is
 // found again: artifacts by asking workers, tasks by planning. One process owns a journal.
 //
-// A job that is admitted, or has ended, is on the disk when the call returns (fsync). A frame is on the way there: it
+// A job that is admitted, cancelled or has ended is on the disk when the call returns (fsync). A frame is on the way there: it
 // survives the process, and may be lost with the machine; then it is done once more, to the same bytes.
 // Errors: kUnavailable with the path and what SQLite says. Not thread-safe.
 class Journal {
@@ -52,6 +53,8 @@ class Journal {
   // A job that is new, or goes on.
   [[nodiscard]] Status Admit(const JournaledJob& job);
   [[nodiscard]] Status Commit(JobId job, int frame, const CommittedFrame& committed);
+  // What was asked for must be done, also by the next coordinator.
+  [[nodiscard]] Status Cancel(JobId job);
   // Forgets submission and frames of a job that is done, unless workers keep its results, and older jobs beyond the
   // bounds.
   [[nodiscard]] Status End(JobId job, JobState state, const std::string& status, bool keeps_results = false);

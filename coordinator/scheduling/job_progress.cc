@@ -51,6 +51,7 @@ JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int
   }
   if (!committed.empty()) committed_before_.resize(frames);
   for (const auto& [frame, done] : committed) AddCommitted(frame, done);
+  prepare_was_granted_ = !committed.empty();  // when the job ran before: its folder may need a Cleanup
   if (plan_.keeps_results()) {
     done_ = frames_done_ == plan_.resolved().num_frames;
     if (done_) OpenNextGop();  // counts the tasks of all

@@ -433,6 +433,7 @@ Result<v1::Envelope> Coordinator::Cancel(JobId id) {
     return InvalidArgument((ended ? "job " : "there is no job ") + std::to_string(id.value()) +
                            (ended ? " has ended" : ""));
   }
+  DEPTHFARM_RETURN_IF_ERROR(journal_->Cancel(id));
   Dispatch(JobCancelled{id});
   v1::Envelope answer;
   answer.mutable_done();

@@ -29,12 +29,16 @@ Status Coordinator::Restore() {
   last_job_ = last.value();
   DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<JournaledJob> jobs, journal_->Jobs());
   for (const JournaledJob& job : jobs) {
-    if (job.state != JobState::kRunning) {
+    if (job.ended) {
       const Status restored = RestoreEnded(job);
       if (!restored.ok()) LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", restored.message()}});
       continue;
     }
     const Status went_on = GoOn(job, false);
+    if (went_on.ok() && job.state == JobState::kCancelled) {
+      DEPTHFARM_RETURN_IF_ERROR(journal_->Cancel(job.id));
+      Dispatch(JobCancelled{job.id});
+    }
     if (went_on.ok()) continue;
     // It cannot go on, and its submitter must hear of that.
     LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", went_on.message()}});
@@ -133,6 +137,7 @@ Result<v1::Envelope> Coordinator::Retry(JobId id) {
   if (scheduler_.Job(id)) return InvalidArgument(Name(id) + " is still running");
   DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<JournaledJob> job, journal_->Find(id));
   if (!job) return InvalidArgument("there is no " + Name(id));
+  if (!job->ended) return InvalidArgument(Name(id) + " is still running");
   if (job->state == JobState::kDone) return InvalidArgument(Name(id) + " is done: there is nothing to do again");
   const std::optional<JobId> other = job->output_dir.empty() ? std::nullopt : scheduler_.JobWritingTo(job->output_dir);
   if (other) {

@@ -74,6 +74,19 @@ TEST_F(Journal, ACancelledJobGoesOnFromItsFrames) {
   EXPECT_THAT(again.output, HasSubstr("job " + std::to_string(job_id) + " is done: there is nothing to do again"));
 }
 
+TEST_F(Journal, WhatWasCancelledStaysSoWhenTheCoordinatorIsKilled) {
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  farm.AddWorker();
+  const std::string output = folder_ / "cancelled";
+  const std::uint64_t job_id = Submit(farm, output);
+  ASSERT_TRUE(WaitUntil([&] { return farm.client().GetStatus(job_id).value().frames_done() >= 1; })) << farm.Logs();
+  ASSERT_TRUE(farm.client().Cancel(job_id).ok());
+  ASSERT_TRUE(farm.RestartCoordinator(SIGKILL)) << farm.problem();
+  EXPECT_EQ(WaitForTheEnd(farm, job_id).state(), v1::JOB_STATE_CANCELLED) << farm.Logs();
+  EXPECT_FALSE(fs::exists(fs::path(output) / ".depthfarm-staging"));
+}
+
 TEST_F(Journal, AJobThatFailedGoesOnWhenItsInputIsMended) {
   Farm farm;
   ASSERT_TRUE(farm.ok()) << farm.problem();

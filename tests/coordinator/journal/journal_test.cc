@@ -104,6 +104,19 @@ TEST_F(JournalTest, AJobThatFailedMayGoOn) {
   EXPECT_TRUE(journal_->Frames(JobId(1)).value().empty());
 }
 
+TEST_F(JournalTest, AnEndThatWasAskedForIsRemembered) {
+  Admit(1);
+  ASSERT_TRUE(journal_->Cancel(JobId(1)).ok());
+  Reopen();
+  EXPECT_EQ(journal_->Find(JobId(1)).value()->state, JobState::kCancelled);
+  EXPECT_FALSE(journal_->Find(JobId(1)).value()->ended);
+  End(1, JobState::kCancelled);
+  EXPECT_TRUE(journal_->Find(JobId(1)).value()->ended);
+  ASSERT_TRUE(journal_->Cancel(JobId(1)).ok());
+  Admit(1);
+  EXPECT_EQ(journal_->Find(JobId(1)).value()->state, JobState::kRunning);
+}
+
 TEST_F(JournalTest, KeepsTheJobsThatEndedLast) {
   options_ = {.kept_jobs = 3, .kept_submissions = 1};
   Reopen();

@@ -12,15 +12,20 @@
 namespace depthfarm {
 namespace {
 
-// Pictures of 1024x768, so that tasks take seconds.
+// Pictures of 1024x768, so that tasks take seconds. Points travel 100 pixels from a camera to the next, so that all
+// levels are tried.
 PlannedJob LargeJob(const JobShape& shape) {
   PlannedJob job = MakePlannedJob(shape);
-  for (JobView& view : job.config.resolved.views) {
+  ResolvedJob& resolved = job.config.resolved;
+  for (JobView& view : resolved.views) {
+    view.camera.intrinsics << 1000, 0, 511.5, 0, 1000, 383.5, 0, 0, 1;
+    view.camera.cam_from_world_translation.x() = -0.2 * static_cast<double>(&view - resolved.views.data());
     view.camera.width = view.source_width = 1024;
     view.camera.height = view.source_height = 768;
     view.segments = 39'000;
   }
-  job.config.resolved.params.levels = 96;
+  resolved.params.levels = 96;
+  resolved.reference = resolved.views.front().camera;
   return job;
 }
 
