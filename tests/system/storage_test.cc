@@ -123,6 +123,22 @@ TEST_F(Results, OfAJobThatRunsAreFetchedAsFarAsTheyAreDone) {
   ExpectWhole("out");
 }
 
+TEST_F(Results, OutliveTheCoordinatorWhileTheJobRunsAndAfter) {
+  for (int i = 0; i < 2; ++i) farm_.AddWorker();
+  Submit();
+  ASSERT_TRUE(WaitUntil([&] { return farm_.client().GetStatus(1).value().frames_done() >= 2; })) << farm_.Logs();
+  ASSERT_TRUE(farm_.RestartCoordinator(SIGKILL)) << farm_.problem();
+  ASSERT_EQ(Fetch(1, "running", {"--wait"}).exit_code, 0) << farm_.Logs();
+  ExpectWhole("running");
+  ASSERT_TRUE(farm_.RestartCoordinator(SIGKILL)) << farm_.problem();
+  ASSERT_TRUE(WaitUntil([&] {
+    const auto workers = farm_.client().ListWorkers();
+    return workers.ok() && workers->size() == 2;
+  })) << farm_.Logs();
+  ASSERT_EQ(Fetch(1, "after").exit_code, 0) << farm_.Logs();
+  ExpectWhole("after");
+}
+
 TEST_F(Results, ThatAreLostAreNamedAndComeFromTheSameJobSubmittedAgain) {
   const int worker = farm_.AddWorker();
   Submit({"--wait"});
