@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kWatchInterval{500};
 constexpr std::chrono::milliseconds kCancelTimeout{5000};
+constexpr std::chrono::minutes kPatience{10};  // with a coordinator that is started again
 
 // An interrupted client asks nothing any more: by another one.
 void Cancel(const FarmArguments& farm, std::uint64_t job_id) {
@@ -39,11 +40,18 @@ class UploadedJob {
   [[nodiscard]] Status Follow() {
     if (!arguments_.job.output_dir.empty()) DEPTHFARM_RETURN_IF_ERROR(OpenFolder());
     ProgressLine progress;
+    auto last_answer = std::chrono::steady_clock::now();
     while (true) {
-      DEPTHFARM_ASSIGN_OR_RETURN(status_, client_.GetStatus(job_id_));
-      if (fetch_) {
-        DEPTHFARM_RETURN_IF_ERROR(fetch_->Round(stop_.token(), [] {}));
+      const Status round = Round();
+      if (round.code() == ErrorCode::kUnavailable && !folder_failed() &&
+          std::chrono::steady_clock::now() - last_answer < kPatience) {
+        progress.Show("job " + std::to_string(job_id_) + ": the coordinator does not answer; waiting for it");
+        PauseUnlessInterrupted(kWatchInterval);
+        if (Interrupted()) return Cancelled();
+        continue;
       }
+      DEPTHFARM_RETURN_IF_ERROR(round);
+      last_answer = std::chrono::steady_clock::now();
       progress.Show("job " + std::to_string(job_id_) + ": " + FormatProgress(status_));
       // With the last round after the job has ended.
       if (status_.state() != v1::JOB_STATE_RUNNING) return {};
@@ -67,6 +75,10 @@ class UploadedJob {
   }
 
  private:
+  Status Round() {
+    DEPTHFARM_ASSIGN_OR_RETURN(status_, client_.GetStatus(job_id_));
+    return fetch_ ? fetch_->Round(stop_.token(), [] {}) : Status();
+  }
   Status OpenFolder() {
     DEPTHFARM_ASSIGN_OR_RETURN(peers_, PeersOf(arguments_.farm, context_));
     DEPTHFARM_ASSIGN_OR_RETURN(fetch_, ResultFetch::Open(client_, *peers_, job_id_, arguments_.job.output_dir));

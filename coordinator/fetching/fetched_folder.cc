@@ -1,5 +1,9 @@
 #include "coordinator/fetching/fetched_folder.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+
+#include <cerrno>
 #include <system_error>
 
 #include "common/digest/sha256.h"
@@ -54,8 +58,17 @@ Result<FetchedFolder> FetchedFolder::Open(const fs::path& dir, const std::string
     DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(dir.string()));
     DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(marker, mark));
   }
+  DEPTHFARM_RETURN_IF_ERROR(folder.Lock(marker));
   DEPTHFARM_RETURN_IF_ERROR(RemoveAll(dir / kStagingFolder));  // of a fetch that was killed
   return folder;
+}
+
+Status FetchedFolder::Lock(const std::string& marker) {
+  marker_ = std::make_unique<OpenFile>(open(marker.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!marker_->ok()) return FileFailure(marker, "open");
+  if (flock(marker_->descriptor(), LOCK_EX | LOCK_NB) == 0) return {};
+  if (errno == EWOULDBLOCK) return InvalidArgument(dir_.string() + ": another depthfarm fetch writes there just now");
+  return FileFailure(marker, "lock");
 }
 
 bool FetchedFolder::Has(const std::string& file, const FileDigest& digest) const {

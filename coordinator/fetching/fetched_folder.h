@@ -2,11 +2,13 @@
 #define DEPTHFARM_COORDINATOR_FETCHING_FETCHED_FOLDER_H_
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "common/base/status.h"
+#include "common/files/open_file.h"
 #include "common/job/task_spec.h"
 
 namespace depthfarm {
@@ -22,8 +24,8 @@ namespace depthfarm {
 class FetchedFolder {
  public:
   // Makes the folder, or takes up one that is there. `identity` is a word that equal jobs have in common. Refused when
-  // another job owns it, or its depth was not made by depthfarm. One that holds the finished result of a job is
-  // accepted: see finished().
+  // another job owns it, another fetch writes there, or its depth was not made by depthfarm. One that holds the
+  // finished result of a job is accepted: see finished().
   [[nodiscard]] static Result<FetchedFolder> Open(const std::filesystem::path& dir, const std::string& identity);
 
   // The depth.json that is there already: then only the same job's files may be added.
@@ -39,8 +41,10 @@ class FetchedFolder {
 
  private:
   explicit FetchedFolder(std::filesystem::path dir) : dir_(std::move(dir)) {}
+  [[nodiscard]] Status Lock(const std::string& marker);
 
   std::filesystem::path dir_;
+  std::unique_ptr<OpenFile> marker_;  // locked: one fetch at a time
   std::optional<std::string> finished_;
 };
 

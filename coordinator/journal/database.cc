@@ -72,11 +72,11 @@ std::string Statement::Bytes(int column) const {
   return bytes == nullptr ? std::string() : std::string(static_cast<const char*>(bytes), size);
 }
 
-Result<std::unique_ptr<Database>> Database::Open(const std::string& path) {
+Result<std::unique_ptr<Database>> Database::Open(const std::string& path, bool may_create) {
   const std::string name = path.empty() ? "journal in memory" : path;
   if (!path.empty()) {
     // SQLite would make it readable for all. Paths and names of a studio's jobs are nobody else's business.
-    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    const int file = open(path.c_str(), O_RDWR | O_CLOEXEC | (may_create ? O_CREAT : 0), 0600);
     if (file < 0) return Unavailable(path + ": " + std::strerror(errno));
     close(file);
   }

@@ -48,8 +48,8 @@ class Statement {
 // by another process), kCorrupt (damaged, no database).
 class Database {
  public:
-  // Opens or makes the file, owner's only (0600); an empty path: in memory.
-  [[nodiscard]] static Result<std::unique_ptr<Database>> Open(const std::string& path);
+  // Opens the file, or makes it if `may_create`, its owner's only (0600); an empty path: in memory.
+  [[nodiscard]] static Result<std::unique_ptr<Database>> Open(const std::string& path, bool may_create);
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;

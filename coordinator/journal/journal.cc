@@ -66,8 +66,9 @@ Journal::Journal(std::unique_ptr<Database> database, const JournalOptions& optio
 
 Journal::~Journal() = default;
 
-Result<std::unique_ptr<Journal>> Journal::Open(const std::string& path, const JournalOptions& options) {
-  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(path));
+Result<std::unique_ptr<Journal>> Journal::Open(const std::string& path, const JournalOptions& options,
+                                               bool may_create) {
+  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(path, may_create));
   DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t application, Pragma(*database, "application_id"));
   DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t version, Pragma(*database, "user_version"));
   Statement tables = database->Prepare("SELECT count(*) FROM sqlite_master");
@@ -91,7 +92,7 @@ Result<std::unique_ptr<Journal>> Journal::Open(const std::string& path, const Jo
   return std::unique_ptr<Journal>(new Journal(std::move(database), options));
 }
 
-Status Journal::Admit(const JournaledJob& job) {
+Status Journal::Admit(const JournaledJob& job, const CommittedFrames& committed) {
   const Synced synced(*database_);
   DEPTHFARM_RETURN_IF_ERROR(synced.status());
   DEPTHFARM_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*database_));
@@ -100,8 +101,20 @@ Status Journal::Admit(const JournaledJob& job) {
                                 .Bind(job.algorithm_version)
                                 .BindText(job.output_dir)
                                 .BindBlob(job.submission)
-                                .Bind(static_cast<std::int64_t>(JobState::kRunning))
+                                .Bind(static_cast<std::int64_t>(job.state))
                                 .Run());
+  DEPTHFARM_ASSIGN_OR_RETURN(const CommittedFrames before, Frames(job.id));
+  for (const auto& [frame, content] : before) {
+    if (!committed.contains(frame)) DEPTHFARM_RETURN_IF_ERROR(Forget(job.id, frame));
+  }
+  if (!job.output_dir.empty()) {
+    DEPTHFARM_RETURN_IF_ERROR(database_
+                                  ->Prepare("DELETE FROM frames WHERE job IN (SELECT id FROM jobs WHERE output_dir = ? "
+                                            "AND id <> ?)")
+                                  .BindText(job.output_dir)
+                                  .Bind(Number(job.id))
+                                  .Run());
+  }
   DEPTHFARM_RETURN_IF_ERROR(database_->Prepare("UPDATE last_job SET id = max(id, ?)").Bind(Number(job.id)).Run());
   return transaction.Commit();
 }
@@ -112,6 +125,10 @@ Status Journal::Commit(JobId job, int frame, const CommittedFrame& committed) {
       .Bind(frame)
       .BindBlob(EncodeFrame(committed))
       .Run();
+}
+
+Status Journal::Forget(JobId job, int frame) {
+  return database_->Prepare("DELETE FROM frames WHERE job = ? AND frame = ?").Bind(Number(job)).Bind(frame).Run();
 }
 
 Status Journal::Cancel(JobId job) {
@@ -139,27 +156,27 @@ Status Journal::End(JobId job, JobState state, const std::string& status, bool k
   return transaction.Commit();
 }
 
-// Jobs that ended are numbered in the order in which they did.
+// Jobs that ended are numbered in the order in which they did. length() does not read the submissions.
 Status Journal::Trim() {
-  DEPTHFARM_RETURN_IF_ERROR(database_
-                                ->Prepare("DELETE FROM jobs WHERE ended > 0 AND ended <= (SELECT ended FROM jobs WHERE "
-                                          "ended > 0 ORDER BY ended DESC LIMIT 1 OFFSET ?)")
-                                .Bind(static_cast<std::int64_t>(options_.kept_jobs))
-                                .Run());
   DEPTHFARM_RETURN_IF_ERROR(
       database_
-          ->Prepare("UPDATE jobs SET submission = x'' WHERE ended > 0 AND submission <> x'' AND "
-                    "(wanted = 0 OR ended <= (SELECT ended FROM jobs WHERE ended > 0 AND wanted = "
-                    "1 ORDER BY ended DESC LIMIT 1 OFFSET ?))")
+          ->Prepare("UPDATE jobs SET submission = x'' WHERE ended > 0 AND length(submission) > 0 AND (wanted = 0 OR "
+                    "ended <= (SELECT ended FROM jobs WHERE ended > 0 AND wanted = 1 ORDER BY ended DESC LIMIT 1 "
+                    "OFFSET ?) OR ended <= (SELECT ended FROM jobs WHERE ended > 0 ORDER BY ended DESC LIMIT 1 OFFSET "
+                    "?))")
           .Bind(static_cast<std::int64_t>(options_.kept_submissions))
+          .Bind(static_cast<std::int64_t>(options_.kept_jobs))
+          .Run());
+  DEPTHFARM_RETURN_IF_ERROR(
+      database_
+          ->Prepare("DELETE FROM frames WHERE job IN (SELECT id FROM jobs WHERE ended > 0 AND length(submission) = 0)")
           .Run());
   return database_
-      ->Prepare("DELETE FROM frames WHERE job NOT IN (SELECT id FROM jobs WHERE ended = 0 OR submission <> x'')")
+      ->Prepare(
+          "DELETE FROM jobs WHERE ended > 0 AND ended <= (SELECT ended FROM jobs WHERE ended > 0 ORDER BY ended "
+          "DESC LIMIT 1 OFFSET ?)")
+      .Bind(static_cast<std::int64_t>(options_.kept_jobs))
       .Run();
-}
-
-Status Journal::ForgetFrames(JobId job) {
-  return database_->Prepare("DELETE FROM frames WHERE job = ?").Bind(Number(job)).Run();
 }
 
 Status Journal::CheckIntegrity() const {
@@ -170,7 +187,8 @@ Status Journal::CheckIntegrity() const {
 }
 
 Result<std::vector<JournaledJob>> Journal::Jobs() const {
-  Statement rows = database_->Prepare(std::string("SELECT ") + kColumns + " FROM jobs ORDER BY id");
+  Statement rows = database_->Prepare(
+      "SELECT id, algorithm_version, output_dir, x'', state, status, ended FROM jobs ORDER BY ended, id");
   std::vector<JournaledJob> jobs;
   while (true) {
     DEPTHFARM_ASSIGN_OR_RETURN(const bool row, rows.Next());
@@ -208,13 +226,8 @@ Result<JobId> Journal::LastJob() const {
   return JobId(static_cast<std::uint64_t>(row.Integer(0)));
 }
 
-Result<bool> Journal::IsFolderOfLaterJob(JobId job, const std::string& output_dir) const {
-  Statement row = database_->Prepare("SELECT 1 FROM jobs WHERE output_dir = ? AND id > ?");
-  return row.BindText(output_dir).Bind(Number(job)).Next();
-}
-
 Result<std::string> CheckJournal(const std::string& path) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<Journal> journal, Journal::Open(path));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<Journal> journal, Journal::Open(path, {}, false));
   DEPTHFARM_RETURN_IF_ERROR(journal->CheckIntegrity());
   DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<JournaledJob> jobs, journal->Jobs());
   std::size_t running = 0;

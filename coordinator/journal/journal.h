@@ -21,7 +21,7 @@ struct JournaledJob {
   JobId id;
   std::uint32_t algorithm_version = 0;  // that made its frames
   std::string output_dir;
-  std::string submission;  // empty once it is done with, or forgotten (JournalOptions::kept_submissions)
+  std::string submission;               // empty once it is done with, or forgotten (JournalOptions::kept_submissions)
   JobState state = JobState::kRunning;  // kCancelled before it ended: its submitter asked for the end
   std::string status = {};              // of a job that ended
   bool ended = false;
@@ -37,41 +37,41 @@ struct JournalOptions {
 // What must outlive the coordinator, in one SQLite file: jobs, and which of their frames are in place. All else is
 // found again: artifacts by asking workers, tasks by planning. One process owns a journal.
 //
-// A job that is admitted, cancelled or has ended is on the disk when the call returns (fsync). A frame is on the way there: it
-// survives the process, and may be lost with the machine; then it is done once more, to the same bytes.
+// A job that is admitted, cancelled or has ended is on the disk when the call returns (fsync). A frame is on the way
+// there: it survives the process, and may be lost with the machine; then it is done once more, to the same bytes.
 // Errors: kUnavailable with the path and what SQLite says. Not thread-safe.
 class Journal {
  public:
-  // Opens or makes it; an empty path keeps it in memory. kUnavailable also if another coordinator has it,
-  // kIncompatible if a newer version made it, kCorrupt if it is damaged or no journal.
+  // Opens it, or makes it if `may_create`; an empty path keeps it in memory. kUnavailable also if another coordinator
+  // has it, kIncompatible if a newer version made it, kCorrupt if it is damaged or no journal.
   [[nodiscard]] static Result<std::unique_ptr<Journal>> Open(const std::string& path,
-                                                             const JournalOptions& options = {});
+                                                             const JournalOptions& options = {},
+                                                             bool may_create = true);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
-  // A job that is new, or goes on.
-  [[nodiscard]] Status Admit(const JournaledJob& job);
+  // A job that is new, or goes on from these frames; others of it are forgotten, and so are all of jobs that had its
+  // output folder before.
+  [[nodiscard]] Status Admit(const JournaledJob& job, const CommittedFrames& committed = {});
   [[nodiscard]] Status Commit(JobId job, int frame, const CommittedFrame& committed);
+  // Its bundle is lost.
+  [[nodiscard]] Status Forget(JobId job, int frame);
   // What was asked for must be done, also by the next coordinator.
   [[nodiscard]] Status Cancel(JobId job);
   // Forgets submission and frames of a job that is done, unless workers keep its results, and older jobs beyond the
   // bounds.
   [[nodiscard]] Status End(JobId job, JobState state, const std::string& status, bool keeps_results = false);
-  // The frames are not there any more.
-  [[nodiscard]] Status ForgetFrames(JobId job);
-
   // kCorrupt names the first damage that SQLite finds.
   [[nodiscard]] Status CheckIntegrity() const;
-  // By id.
+  // Without their submissions; those that have not ended first, by id, then the others in the order in which they
+  // ended.
   [[nodiscard]] Result<std::vector<JournaledJob>> Jobs() const;
   // Empty when there is no such job.
   [[nodiscard]] Result<std::optional<JournaledJob>> Find(JobId job) const;
   [[nodiscard]] Result<CommittedFrames> Frames(JobId job) const;
   // The largest id of all jobs that there ever were; 0: none.
   [[nodiscard]] Result<JobId> LastJob() const;
-  // Whether a job that was admitted later had this output folder.
-  [[nodiscard]] Result<bool> IsFolderOfLaterJob(JobId job, const std::string& output_dir) const;
 
  private:
   Journal(std::unique_ptr<Database> database, const JournalOptions& options);
@@ -81,7 +81,7 @@ class Journal {
   const JournalOptions options_;
 };
 
-// "ok: 3 jobs, 1 of them running, 120 frames in place"; opens the journal as Open does and reads all of it.
+// "ok: 3 jobs, 1 of them running, 120 frames in place"; opens a journal that is there as Open does and reads all of it.
 [[nodiscard]] Result<std::string> CheckJournal(const std::string& path);
 
 }  // namespace depthfarm

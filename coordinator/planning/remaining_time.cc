@@ -71,7 +71,8 @@ RemainingTime::Class& RemainingTime::ClassOf(const TaskId& id) {
 
 void RemainingTime::AddToGop(const TaskId& id, double seconds) {
   const bool of_job = id.kind == TaskKind::kPrepare || id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
-  if (!of_job) open_gops_[plan_.GopOf(id.frame)] += seconds;
+  // Of a GOP that is over only what other GOPs need of it is done again.
+  if (!of_job && !closed_gops_.contains(plan_.GopOf(id.frame))) open_gops_[plan_.GopOf(id.frame)] += seconds;
 }
 
 void RemainingTime::Done(const TaskId& id) {
@@ -95,12 +96,12 @@ void RemainingTime::Measured(const TaskId& id, double seconds) {
 
 void RemainingTime::Close(int gop) {
   open_gops_.erase(gop);
-  ++closed_gops_;
+  closed_gops_.insert(gop);
 }
 
 void RemainingTime::OpenAgain(int gop) {
-  if (!open_gops_.emplace(gop, GopSeconds(gop)).second) return;
-  --closed_gops_;
+  closed_gops_.erase(gop);
+  open_gops_.emplace(gop, GopSeconds(gop));
 }
 
 double RemainingTime::RatioOfAll() const {
@@ -154,7 +155,7 @@ std::optional<double> RemainingTime::Seconds(double slots, std::span<const TaskI
     left -= 0.5 * Cost(id) * RatioOf(of, of_all);
   }
   // Of the GOP of which most is left.
-  double share = closed_gops_ + static_cast<int>(open_gops_.size()) < plan_.num_gops() ? 1 : 0;
+  double share = static_cast<int>(closed_gops_.size() + open_gops_.size()) < plan_.num_gops() ? 1 : 0;
   for (const auto& [gop, done] : open_gops_) share = std::max(share, std::min(1.0, 1 - done / GopSeconds(gop)));
   return std::max({0.0, left / slots, share * ChainSeconds(of_all)});
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 
 #include "coordinator/planning/cost_model.h"
@@ -64,7 +65,7 @@ class RemainingTime {
   Classes classes_;
   std::array<double, 2> of_frame_{};  // predicted seconds of a P frame, an I frame
   std::map<int, double> open_gops_;   // predicted seconds of what is done there
-  int closed_gops_ = 0;
+  std::set<int> closed_gops_;
 };
 
 }  // namespace depthfarm

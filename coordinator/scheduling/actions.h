@@ -55,6 +55,11 @@ struct FrameCommitted {
   int frame = 0;
   CommittedFrame committed;
 };
+// The bundle that a frame was committed in is held by nobody any more.
+struct FrameLost {
+  JobId job;
+  int frame = 0;
+};
 // The job left the scheduler; this is the last that it knows of it.
 struct JobEnded {
   JobSnapshot job;
@@ -94,8 +99,8 @@ struct Note {
   std::vector<std::pair<std::string, std::string>> fields;
 };
 
-using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, Keep, ForgetJob, FrameCommitted, JobEnded,
-                            AttemptEnded, WorkerLost, EndWorker, Note>;
+using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, Keep, ForgetJob, FrameCommitted, FrameLost,
+                            JobEnded, AttemptEnded, WorkerLost, EndWorker, Note>;
 
 }  // namespace depthfarm
 

@@ -30,6 +30,7 @@ struct JobSubmitted {
   std::set<std::string> tags = {};  // that a worker must have
   // Of a job that goes on after it failed, was cancelled or lost its coordinator: frames that need not be done again.
   CommittedFrames committed = {};
+  bool ran_before = false;      // tasks of it may still run that were granted by an earlier coordinator
   bool serves_uploads = false;  // its submitter serves the pictures, and must be heard of
 };
 // The submitter of a job with uploads is there.

@@ -36,7 +36,7 @@ std::vector<WorkerId> HoldersToTell(const ArtifactDirectory& directory, const Ar
 }
 
 JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks,
-                         const CommittedFrames& committed)
+                         const CommittedFrames& committed, bool ran_before)
     : plan_(std::move(job)),
       keys_(plan_.job().config),
       costs_(plan_.resolved()),
@@ -51,12 +51,11 @@ JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int
   }
   if (!committed.empty()) committed_before_.resize(frames);
   for (const auto& [frame, done] : committed) AddCommitted(frame, done);
-  prepare_was_granted_ = !committed.empty();  // when the job ran before: its folder may need a Cleanup
   if (plan_.keeps_results()) {
-    done_ = frames_done_ == plan_.resolved().num_frames;
-    if (done_) OpenNextGop();  // counts the tasks of all
+    confirmed_ = committed.empty();
     return;
   }
+  prepare_was_granted_ = ran_before;  // its folder may need a Cleanup
   table_.Add(plan_.OfJob(TaskKind::kPrepare));
   Queue(plan_.OfJob(TaskKind::kPrepare));
   if (frames_done_ == plan_.resolved().num_frames) AddManifest();
@@ -226,6 +225,9 @@ void JobProgress::RemoveTasks(int gop, bool of_shared_frame) {
     if (task->state != TaskState::kDone) {  // done before, lost, and being made again for nobody
       ++Stage(id.kind).tasks_done;
       remaining_.Done(id);
+      for (const TaskId& needed : plan_.Prerequisites(id)) {
+        if (table_.Find(needed) != nullptr) NotNeededBy(needed);
+      }
     }
     table_.Remove(id);
   }
@@ -251,7 +253,7 @@ void JobProgress::CommitFrame(int frame) {
   if (frames_done_ < plan_.resolved().num_frames) return;
   if (plan_.shares_i_frame()) RemoveTasks(0, true);
   if (plan_.keeps_results()) {
-    done_ = true;
+    done_ = confirmed_;
   } else {
     AddManifest();
   }
@@ -465,7 +467,20 @@ void JobProgress::LoseArtifacts(const std::vector<ArtifactKey>& keys) {
   Settle();
 }
 
+void JobProgress::ConfirmCommitted() {
+  confirmed_ = true;
+  std::vector<ArtifactKey> lost;
+  for (const auto& [key, frame] : frame_of_bundle_) {
+    if (directory_.Find(key) == nullptr) lost.push_back(key);
+  }
+  LoseArtifacts(lost);
+  if (frames_done_ < plan_.resolved().num_frames) return;
+  OpenNextGop();  // counts the tasks of GOPs that were passed over
+  done_ = true;
+}
+
 void JobProgress::DropResult(int frame) {
+  lost_frames_.push_back(frame);
   JobResults::Frame& result = results_.frames[static_cast<std::size_t>(frame)];
   --frames_done_;
   files_done_ -= static_cast<int>(result.files.size());
@@ -475,7 +490,7 @@ void JobProgress::DropResult(int frame) {
 
 void JobProgress::LoseFrame(int frame) {
   DropResult(frame);
-  ++open_gops_[plan_.GopOf(frame)];
+  if (++open_gops_[plan_.GopOf(frame)] == 1) remaining_.OpenAgain(plan_.GopOf(frame));
   if (++losses_[frame] > max_setbacks_) worn_out_ = plan_.Emitted(frame);
 }
 

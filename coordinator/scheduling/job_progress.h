@@ -38,7 +38,7 @@ class JobProgress {
   // `directory` must outlive the job. Prepare is ready from the start. `committed` frames are of the job, with as many
   // files and digests as it has: their files are there, Prepare checks that, and only tasks that others need run again.
   JobProgress(PlannedJob job, const ArtifactDirectory& directory, int max_setbacks,
-              const CommittedFrames& committed = {});
+              const CommittedFrames& committed = {}, bool ran_before = false);
   JobProgress(const JobProgress&) = delete;
   JobProgress& operator=(const JobProgress&) = delete;
 
@@ -82,6 +82,12 @@ class JobProgress {
   [[nodiscard]] std::vector<ArtifactInfo> InputsOf(const TaskId& id) const;
   // The artifacts that no unfinished task of the job reads any more, since the last call.
   [[nodiscard]] std::vector<ArtifactKey> TakeReleased();
+  // Bundles of frames that were committed before and that nobody has announced by now are lost. A job that keeps its
+  // results is not done before.
+  void ConfirmCommitted();
+  [[nodiscard]] bool confirmed() const { return confirmed_; }
+  // Frames whose bundles were lost, since the last call.
+  [[nodiscard]] std::vector<int> TakeLostFrames() { return std::exchange(lost_frames_, {}); }
   // A task whose artifact or inputs were lost more often than `max_setbacks`.
   [[nodiscard]] const std::optional<TaskId>& worn_out() const { return worn_out_; }
   void CountSetback(const TaskId& id);
@@ -160,6 +166,8 @@ class JobProgress {
   std::vector<bool> committed_before_;          // frames that were when the job began; empty if none was
   std::map<ArtifactKey, int> frame_of_bundle_;  // of a job that keeps its results
   std::map<int, int> losses_;                   // how often the bundle of a frame was lost
+  std::vector<int> lost_frames_;
+  bool confirmed_ = true;  // that the bundles of frames committed before are there
   bool abandoned_ = false;
   std::vector<ArtifactKey> released_;
   std::optional<TaskId> worn_out_;

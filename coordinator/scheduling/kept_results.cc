@@ -10,9 +10,10 @@ std::vector<ArtifactKey> KeptResults::Add(JobId job, JobResults results) {
     if (frame.bundle) ++wanted_[frame.bundle->key];
   }
   jobs_[job] = std::move(results);
+  order_.push_back(job);
   std::vector<ArtifactKey> unwanted;
-  while (num_files_ > most_files_) {
-    const std::vector<ArtifactKey> of_oldest = Forget(jobs_.begin()->first);
+  while (num_files_ > most_files_ && order_.size() > 1) {
+    const std::vector<ArtifactKey> of_oldest = Forget(order_.front());
     unwanted.insert(unwanted.end(), of_oldest.begin(), of_oldest.end());
   }
   return unwanted;
@@ -29,6 +30,7 @@ std::vector<ArtifactKey> KeptResults::Forget(JobId job) {
     unwanted.push_back(frame.bundle->key);
   }
   jobs_.erase(found);
+  std::erase(order_, job);
   return unwanted;
 }
 

@@ -2,6 +2,7 @@
 #define DEPTHFARM_COORDINATOR_SCHEDULING_KEPT_RESULTS_H_
 
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <vector>
 
@@ -10,7 +11,7 @@
 namespace depthfarm {
 
 // The results of jobs that ended and kept them, for those who fetch them later. Bounded: beyond `most_files` depth
-// files in all, those of the oldest jobs are forgotten.
+// files in all, those of the jobs that ended first are forgotten.
 class KeptResults {
  public:
   explicit KeptResults(std::size_t most_files = 4'000'000) : most_files_(most_files) {}
@@ -28,6 +29,7 @@ class KeptResults {
   const std::size_t most_files_;
   std::size_t num_files_ = 0;
   std::map<JobId, JobResults> jobs_;
+  std::deque<JobId> order_;            // in which they ended
   std::map<ArtifactKey, int> wanted_;  // by how many jobs
 };
 

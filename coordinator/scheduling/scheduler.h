@@ -78,6 +78,8 @@ class Scheduler {
     std::uint64_t last_grant = 0;  // number of its newest lease
     GopHomes homes;
     TimePoint submitted;
+    // Of a job that ran before: by then its workers are back, and what the last coordinator granted is over.
+    std::optional<TimePoint> at_rest;
     std::optional<TimePoint> submitter_due;  // of a job with uploads: when its submitter must have been heard of
     std::unique_ptr<JobProgress> progress;
     JobState ending = JobState::kRunning;  // what it will be when leases and Cleanup are over
@@ -121,6 +123,7 @@ class Scheduler {
   [[nodiscard]] bool IsNeeded(const ArtifactKey& key) const;
   [[nodiscard]] bool IsResult(const ArtifactKey& key) const;
   void EndJobsWithoutSubmitter();
+  void ConfirmCommitted();
   void AdvanceEndings();
   void EndDrainedWorkers();
   void UpdateTaken();

@@ -20,7 +20,9 @@ void Scheduler::On(const JobSubmitted& event) {
   job.taken = workers_.AnyFor(job.tags);
   job.submitted = now_;
   if (event.serves_uploads) job.submitter_due = now_ + options_.submitter_silence;
-  job.progress = std::make_unique<JobProgress>(event.job, directory_, options_.max_setbacks, event.committed);
+  if (event.ran_before) job.at_rest = now_ + options_.lease;
+  job.progress =
+      std::make_unique<JobProgress>(event.job, directory_, options_.max_setbacks, event.committed, event.ran_before);
   AddNote(Note::Severity::kInfo, "job_submitted",
           {{"job", std::to_string(id.value())},
            {"name", event.name},
@@ -28,7 +30,6 @@ void Scheduler::On(const JobSubmitted& event) {
            {"committed", std::to_string(event.committed.size())},
            {"views", std::to_string(event.job.config.resolved.num_views())}});
   ReleaseUnneeded(results_.Forget(id));  // of a job that goes on: it has them now
-  if (job.progress->done()) EndJob(id, JobState::kDone);
 }
 
 void Scheduler::On(const JobCancelled& event) { EndJobBadly(event.job, JobState::kCancelled, Cancelled()); }
@@ -173,13 +174,23 @@ void Scheduler::ReleaseUnneeded(const std::vector<ArtifactKey>& keys) {
 
 bool Scheduler::HasLeases(JobId id) const { return workers_.LeasesOf(id) > 0; }
 
+void Scheduler::ConfirmCommitted() {
+  std::vector<JobId> done;
+  for (auto& [id, job] : jobs_) {
+    if (job.progress->confirmed() || !job.at_rest || now_ < *job.at_rest || job.ending != JobState::kRunning) continue;
+    job.progress->ConfirmCommitted();
+    if (job.progress->done()) done.push_back(id);
+  }
+  for (const JobId id : done) EndJob(id, JobState::kDone);
+}
+
 void Scheduler::AdvanceEndings() {
   std::vector<JobId> over;
   for (auto& [id, job] : jobs_) {
     if (job.ending == JobState::kRunning) continue;
     if (now_ >= job.cleanup_deadline) {
       over.push_back(id);
-    } else if (!job.cleanup_started && !HasLeases(id)) {
+    } else if (!job.cleanup_started && !HasLeases(id) && (!job.at_rest || now_ >= *job.at_rest)) {
       // Not before its last task has stopped: that one could still write into the folder.
       if (job.progress->prepare_was_granted()) {
         job.progress->StartCleanup();
@@ -317,11 +328,16 @@ std::vector<JobSnapshot> Scheduler::Jobs() const {
 
 void Scheduler::Advance() {
   UpdateTaken();
+  ConfirmCommitted();
   AdvanceEndings();
   EndDrainedWorkers();
   OpenGops();
   Assign();
   OpenGops();  // what Assign took is not ready any more
+  for (auto& [id, job] : jobs_) {
+    const std::vector<int> lost = job.progress->TakeLostFrames();
+    for (const int frame : lost) Add(FrameLost{id, frame});
+  }
 }
 
 }  // namespace depthfarm

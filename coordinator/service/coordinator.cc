@@ -27,7 +27,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kTick{50};
 constexpr int kMessagesPerTick = 1000;  // a flood must not keep leases from expiring
 constexpr int kMaxVersionText = 100;
-constexpr std::size_t kMostKeptJobs = 1'000'000;
+constexpr std::size_t kMostKeptJobs = 20'000;  // all are listed in one message
 
 SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint64_t first_lease) {
   SchedulerOptions scheduler;
@@ -112,8 +112,8 @@ Status CoordinatorOptions::Validate() const {
   if (max_attempts < 1 || max_attempts > 100) {
     return InvalidArgument("max-attempts is " + std::to_string(max_attempts) + ", expected 1 to 100");
   }
-  if (kept_jobs > kMostKeptJobs) {
-    return InvalidArgument("keep-jobs is " + std::to_string(kept_jobs) + ", expected at most " +
+  if (kept_jobs < 1 || kept_jobs > kMostKeptJobs) {
+    return InvalidArgument("keep-jobs is " + std::to_string(kept_jobs) + ", expected 1 to " +
                            std::to_string(kMostKeptJobs));
   }
   return {};
@@ -367,7 +367,7 @@ Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
                                              .state = JobState::kRunning,
                                              .status = {}}));
   ++last_job_;
-  Start(std::move(job), request, std::move(tags), {});
+  Start(std::move(job), request, std::move(tags), {}, false);
   v1::Envelope answer;
   answer.mutable_job_accepted()->set_job_id(id.value());
   return answer;
@@ -433,7 +433,10 @@ Result<v1::Envelope> Coordinator::Cancel(JobId id) {
     return InvalidArgument((ended ? "job " : "there is no job ") + std::to_string(id.value()) +
                            (ended ? " has ended" : ""));
   }
-  DEPTHFARM_RETURN_IF_ERROR(journal_->Cancel(id));
+  const Status written = journal_->Cancel(id);
+  if (!written.ok()) {  // a coordinator that is started again would let it go on; this one ends it all the same
+    LogError("journal_failed", {{"job", id.value()}, {"reason", written.message()}});
+  }
   Dispatch(JobCancelled{id});
   v1::Envelope answer;
   answer.mutable_done();

@@ -35,7 +35,7 @@ struct CoordinatorOptions {
   std::size_t kept_jobs = 1000;  // that ended, for status
 
   // kInvalidArgument: heartbeat 10..60000 ms, lease at least 3 heartbeats and at most 1 h, attempts 1..100, kept jobs
-  // at most a million.
+  // 1 to 20,000.
   [[nodiscard]] Status Validate() const;
 };
 
@@ -79,9 +79,10 @@ class Coordinator {
   // Plans a job of the journal again and lets it go on from its committed frames.
   [[nodiscard]] Status GoOn(const JournaledJob& job, bool workers_are_here);
   [[nodiscard]] static Result<PlannedJob> PlanAgain(const JournaledJob& job);
-  // What the journal has of a job, less what was replaced since, and what no worker holds, if they are here.
+  // What the journal has of a job, less what no worker holds, if they are here.
   [[nodiscard]] Result<CommittedFrames> FramesInPlace(const PlannedJob& job, bool workers_are_here) const;
-  void Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags, CommittedFrames committed);
+  void Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags, CommittedFrames committed,
+             bool ran_before);
 
   void Dispatch(const Event& event);
   void CarryOut(const std::vector<Action>& actions);
@@ -92,6 +93,7 @@ class Coordinator {
   void Do(const Keep& action);
   void Do(const ForgetJob& action);
   void Do(const FrameCommitted& action);
+  void Do(const FrameLost& action);
   void Do(const JobEnded& action);
   void Do(const AttemptEnded& action);
   void Do(const WorkerLost& action);

@@ -80,6 +80,13 @@ void Coordinator::Do(const FrameCommitted& action) {
   }
 }
 
+void Coordinator::Do(const FrameLost& action) {
+  const Status written = journal_->Forget(action.job, action.frame);
+  if (!written.ok()) {
+    LogWarning("journal_failed", {{"job", action.job.value()}, {"frame", action.frame}, {"reason", written.message()}});
+  }
+}
+
 void Coordinator::Do(const JobEnded& action) {
   const JobSnapshot& job = action.job;
   const char* state = job.state == JobState::kDone ? "done" : job.state == JobState::kFailed ? "failed" : "cancelled";

@@ -8,6 +8,7 @@
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "coordinator/service/coordinator.h"
+#include "coordinator/service/status_wire.h"
 #include "coordinator/service/submission.h"
 
 namespace depthfarm {
@@ -28,29 +29,34 @@ Status Coordinator::Restore() {
   DEPTHFARM_ASSIGN_OR_RETURN(const JobId last, journal_->LastJob());
   last_job_ = last.value();
   DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<JournaledJob> jobs, journal_->Jobs());
-  for (const JournaledJob& job : jobs) {
+  for (const JournaledJob& listed : jobs) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<JournaledJob> found, journal_->Find(listed.id));
+    const JournaledJob& job = found ? *found : listed;
     if (job.ended) {
       const Status restored = RestoreEnded(job);
       if (!restored.ok()) LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", restored.message()}});
       continue;
     }
     const Status went_on = GoOn(job, false);
-    if (went_on.ok() && job.state == JobState::kCancelled) {
-      DEPTHFARM_RETURN_IF_ERROR(journal_->Cancel(job.id));
-      Dispatch(JobCancelled{job.id});
-    }
+    if (went_on.ok() && job.state == JobState::kCancelled) Dispatch(JobCancelled{job.id});
     if (went_on.ok()) continue;
     // It cannot go on, and its submitter must hear of that.
     LogWarning("job_not_restored", {{"job", job.id.value()}, {"reason", went_on.message()}});
     v1::JobStatus status;
     status.set_job_id(job.id.value());
     v1::SubmitJob submission;
-    if (submission.ParseFromString(job.submission)) status.set_name(submission.name());
-    status.set_state(v1::JOB_STATE_FAILED);
+    if (submission.ParseFromString(job.submission)) {
+      status.set_name(submission.name());
+      status.set_priority(submission.priority());
+      status.set_keeps_results(submission.keeps_results());
+      *status.mutable_required_tags() = submission.required_tags();
+    }
+    const JobState state = job.state == JobState::kCancelled ? JobState::kCancelled : JobState::kFailed;
+    status.set_state(ToProto(state));
     status.set_output_dir(job.output_dir);
     *status.mutable_error() =
         ToProto(went_on.WithContext("the coordinator was started again and the job cannot go on"));
-    DEPTHFARM_RETURN_IF_ERROR(journal_->End(job.id, JobState::kFailed, status.SerializeAsString()));
+    DEPTHFARM_RETURN_IF_ERROR(journal_->End(job.id, state, status.SerializeAsString()));
     history_.Add(status);
   }
   return {};
@@ -62,7 +68,8 @@ Status Coordinator::RestoreEnded(const JournaledJob& job) {
     return Corrupt("its status in the journal is damaged");
   history_.Add(status);
   if (!status.keeps_results() || job.submission.empty()) return {};
-  DEPTHFARM_ASSIGN_OR_RETURN(const PlannedJob planned, PlanAgain(job));
+  DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob planned, PlanAgain(job));
+  planned.config.algorithm_version = job.algorithm_version;  // that made them
   DEPTHFARM_ASSIGN_OR_RETURN(const CommittedFrames committed, FramesInPlace(planned, false));
   const ResolvedJob& resolved = planned.config.resolved;
   JobResults results;
@@ -87,10 +94,6 @@ Result<PlannedJob> Coordinator::PlanAgain(const JournaledJob& job) {
 
 Result<CommittedFrames> Coordinator::FramesInPlace(const PlannedJob& job, bool workers_are_here) const {
   const JobId id = job.config.job;
-  if (!job.config.keeps_results) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const bool replaced, journal_->IsFolderOfLaterJob(id, job.config.output_dir));
-    if (replaced) return CommittedFrames();
-  }
   DEPTHFARM_ASSIGN_OR_RETURN(CommittedFrames frames, journal_->Frames(id));
   const JobPlan plan(job);
   const bool fit =
@@ -118,19 +121,20 @@ Status Coordinator::GoOn(const JournaledJob& job, bool workers_are_here) {
       std::set<std::string> tags,
       CheckTags("required tags", {submission.required_tags().begin(), submission.required_tags().end()}));
   DEPTHFARM_ASSIGN_OR_RETURN(CommittedFrames committed, FramesInPlace(planned, workers_are_here));
-  if (committed.empty()) DEPTHFARM_RETURN_IF_ERROR(journal_->ForgetFrames(job.id));
-  DEPTHFARM_RETURN_IF_ERROR(journal_->Admit(job));
-  Start(std::move(planned), submission, std::move(tags), std::move(committed));
+  JournaledJob admitted = job;
+  if (job.ended) admitted.state = JobState::kRunning;
+  DEPTHFARM_RETURN_IF_ERROR(journal_->Admit(admitted, committed));
+  Start(std::move(planned), submission, std::move(tags), std::move(committed), true);
   return {};
 }
 
 void Coordinator::Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags,
-                        CommittedFrames committed) {
+                        CommittedFrames committed, bool ran_before) {
   jobs_[job.config.job] = {ToProto(job.config), Summary(job)};
   submitted_.emplace(job.config.job, now_);
   const bool serves_uploads = !job.uploads.empty();
   Dispatch(JobSubmitted{std::move(job), submission.name(), submission.priority(), std::move(tags), std::move(committed),
-                        serves_uploads});
+                        ran_before, serves_uploads});
 }
 
 Result<v1::Envelope> Coordinator::Retry(JobId id) {

@@ -3,8 +3,15 @@
 namespace depthfarm {
 
 void JobHistory::Add(const v1::JobStatus& job) {
-  jobs_[JobId(job.job_id())] = job;
-  while (jobs_.size() > max_jobs_) jobs_.erase(jobs_.begin());
+  const JobId id(job.job_id());
+  Remove(id);
+  jobs_[id] = job;
+  order_.push_back(id);
+  while (order_.size() > max_jobs_) Remove(order_.front());
+}
+
+void JobHistory::Remove(JobId id) {
+  if (jobs_.erase(id) > 0) std::erase(order_, id);
 }
 
 const v1::JobStatus* JobHistory::Find(JobId id) const {

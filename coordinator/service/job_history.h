@@ -2,6 +2,7 @@
 #define DEPTHFARM_COORDINATOR_SERVICE_JOB_HISTORY_H_
 
 #include <cstddef>
+#include <deque>
 #include <map>
 
 #include "common/job/task.h"
@@ -12,11 +13,12 @@ namespace depthfarm {
 // The last jobs that ended, so that their status can still be asked for.
 class JobHistory {
  public:
+  // `max_jobs`: at least 1.
   explicit JobHistory(std::size_t max_jobs) : max_jobs_(max_jobs) {}
-  // Forgets the oldest ones beyond the bound.
+  // Forgets those beyond the bound that ended first.
   void Add(const v1::JobStatus& job);
   // A job that goes on.
-  void Remove(JobId id) { jobs_.erase(id); }
+  void Remove(JobId id);
   // Null when it did not end, or long ago.
   [[nodiscard]] const v1::JobStatus* Find(JobId id) const;
   [[nodiscard]] const std::map<JobId, v1::JobStatus>& jobs() const { return jobs_; }
@@ -24,6 +26,7 @@ class JobHistory {
  private:
   std::size_t max_jobs_;
   std::map<JobId, v1::JobStatus> jobs_;
+  std::deque<JobId> order_;  // in which they ended
 };
 
 }  // namespace depthfarm

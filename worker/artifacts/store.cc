@@ -269,6 +269,15 @@ void ArtifactStore::Release(const std::vector<ArtifactKey>& keys) { SetRank(keys
 
 void ArtifactStore::Keep(const std::vector<ArtifactKey>& keys) { SetRank(keys, Rank::kKept); }
 
+void ArtifactStore::KeepNone() {
+  std::vector<ArtifactKey> kept;
+  {
+    const std::scoped_lock lock(mutex_);
+    kept.assign(OrderOf(Rank::kKept).begin(), OrderOf(Rank::kKept).end());
+  }
+  SetRank(kept, Rank::kUsed);
+}
+
 void ArtifactStore::SetRank(const std::vector<ArtifactKey>& keys, Rank rank) {
   const std::scoped_lock lock(mutex_);
   for (const ArtifactKey& key : keys) {

@@ -93,6 +93,8 @@ class ArtifactStore : public ChunkSource {
   void Release(const std::vector<ArtifactKey>& keys);
   // Somebody will fetch these: they are evicted after all others, until they are released.
   void Keep(const std::vector<ArtifactKey>& keys);
+  // Nobody is known to fetch any.
+  void KeepNone();
 
   // What was evicted or found corrupt since the last call, for the coordinator to forget. Not what Open dropped: nobody
   // was told of that.

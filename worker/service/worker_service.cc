@@ -189,6 +189,7 @@ void WorkerService::OnMessage(const v1::Envelope& message) {
       LogInfo("welcomed", {{"worker", welcome.worker_id()},
                            {"heartbeat_ms", welcome.heartbeat_ms()},
                            {"lease_ms", welcome.lease_ms()}});
+      store_->KeepNone();  // whoever welcomes it says next what is wanted
       Handle(event::Welcomed{Milliseconds(welcome.heartbeat_ms()), Milliseconds(welcome.lease_ms())});
       return;
     }

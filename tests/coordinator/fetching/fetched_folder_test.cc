@@ -44,6 +44,14 @@ TEST_F(FetchedFolderTest, HoldsTheFilesAndNothingElseInTheEnd) {
   EXPECT_FALSE(fs::exists(dir() / ".depthfarm-staging"));
 }
 
+TEST_F(FetchedFolderTest, IsOneFetchsAtATime) {
+  {
+    const FetchedFolder first = Open("job").value();
+    EXPECT_THAT(RefusalOf("job"), HasSubstr("another depthfarm fetch writes there just now"));
+  }
+  EXPECT_TRUE(Open("job").ok());
+}
+
 TEST_F(FetchedFolderTest, KnowsWhichFilesAreRight) {
   const FetchedFolder folder = Open("job").value();
   const FileDigest digest{Sha256("bytes"), 5};

@@ -57,7 +57,7 @@ TEST_F(JournalTest, KeepsJobsAndFramesOverARestart) {
   EXPECT_EQ(jobs[0].id, JobId(7));
   EXPECT_EQ(jobs[0].algorithm_version, 9U);
   EXPECT_EQ(jobs[0].output_dir, "/out");
-  EXPECT_EQ(jobs[0].submission, "job 7");
+  EXPECT_EQ(journal_->Find(JobId(7)).value()->submission, "job 7");
   EXPECT_EQ(jobs[0].state, JobState::kRunning);
   EXPECT_EQ(journal_->Frames(JobId(7)).value(), (CommittedFrames{{0, FrameOf("zero")}, {3, FrameOf("three again")}}));
   EXPECT_EQ(journal_->LastJob().value(), JobId(7));
@@ -97,10 +97,12 @@ TEST_F(JournalTest, AJobThatFailedMayGoOn) {
   End(1, JobState::kFailed);
   EXPECT_EQ(journal_->Find(JobId(1)).value()->submission, "job 1");
   EXPECT_EQ(journal_->Frames(JobId(1)).value().size(), 1U);
-  Admit(1);
+  ASSERT_TRUE(journal_->Commit(JobId(1), 1, FrameOf("one")).ok());
+  const JournaledJob again{JobId(1), 9, "/out", "job 1", JobState::kRunning, ""};
+  ASSERT_TRUE(journal_->Admit(again, {{1, FrameOf("one")}}).ok());
   EXPECT_EQ(journal_->Find(JobId(1)).value()->state, JobState::kRunning);
-  EXPECT_EQ(journal_->Frames(JobId(1)).value().size(), 1U);
-  ASSERT_TRUE(journal_->ForgetFrames(JobId(1)).ok());
+  EXPECT_EQ(journal_->Frames(JobId(1)).value(), (CommittedFrames{{1, FrameOf("one")}}));
+  ASSERT_TRUE(journal_->Forget(JobId(1), 1).ok());
   EXPECT_TRUE(journal_->Frames(JobId(1)).value().empty());
 }
 
@@ -123,7 +125,7 @@ TEST_F(JournalTest, KeepsTheJobsThatEndedLast) {
   for (std::uint64_t id = 1; id <= 6; ++id) Admit(id);
   for (const std::uint64_t id : {5U, 2U, 1U}) End(id, JobState::kCancelled);
   End(3, JobState::kDone);
-  EXPECT_THAT(Ids(), ElementsAre(1, 2, 3, 4, 6)) << "4 and 6 run, 5 ended first";
+  EXPECT_THAT(Ids(), ElementsAre(4, 6, 2, 1, 3)) << "4 and 6 run, 5 ended first";
   EXPECT_EQ(journal_->Find(JobId(1)).value()->submission, "job 1");
   EXPECT_EQ(journal_->Find(JobId(2)).value()->submission, "");
   EXPECT_EQ(journal_->LastJob().value(), JobId(6));
@@ -138,13 +140,26 @@ TEST_F(JournalTest, IdsAreNotUsedAgainWhenJobsAreForgotten) {
   EXPECT_EQ(journal_->LastJob().value(), JobId(9));
 }
 
-TEST_F(JournalTest, KnowsWhoHadAFolderLater) {
+TEST_F(JournalTest, FramesAreThoseOfTheLastJobThatHadTheFolder) {
+  const auto commit = [&](std::uint64_t id) { ASSERT_TRUE(journal_->Commit(JobId(id), 0, FrameOf("zero")).ok()); };
+  const auto frames = [&](std::uint64_t id) { return journal_->Frames(JobId(id)).value().size(); };
   Admit(1, "/a");
+  commit(1);
+  End(1, JobState::kCancelled);
   Admit(2, "/b");
+  commit(2);
   Admit(3, "/a");
-  EXPECT_TRUE(journal_->IsFolderOfLaterJob(JobId(1), "/a").value());
-  EXPECT_FALSE(journal_->IsFolderOfLaterJob(JobId(2), "/b").value());
-  EXPECT_FALSE(journal_->IsFolderOfLaterJob(JobId(3), "/a").value());
+  EXPECT_EQ(frames(1), 0U);
+  EXPECT_EQ(frames(2), 1U);
+  commit(3);
+  End(3, JobState::kCancelled);
+  Admit(1, "/a");  // goes on, after another one
+  EXPECT_EQ(frames(3), 0U);
+  // Results on workers have no folder.
+  Admit(4, "");
+  commit(4);
+  Admit(5, "");
+  EXPECT_EQ(frames(4), 1U);
 }
 
 TEST_F(JournalTest, BelongsToOneProcessAtATime) {
@@ -176,12 +191,15 @@ TEST_F(JournalTest, RefusesWhatIsNoJournalOrANewerOne) {
 TEST_F(JournalTest, ACheckReadsAllOfIt) {
   Admit(1);
   ASSERT_TRUE(journal_->Commit(JobId(1), 0, FrameOf("zero")).ok());
-  Admit(2);
+  Admit(2, "/b");
   End(2, JobState::kDone);
   journal_.reset();
   EXPECT_EQ(CheckJournal(path_).value(), "ok: 2 jobs, 1 of them running, 1 frames in place");
   fs::resize_file(path_, fs::file_size(path_) - 4096);
   EXPECT_FALSE(CheckJournal(path_).ok());
+  const std::string other = path_ + "-of-nobody";
+  EXPECT_EQ(CheckJournal(other).status().code(), ErrorCode::kUnavailable);
+  EXPECT_FALSE(fs::exists(other));
 }
 
 TEST(JournalInMemory, DoesTheSame) {

@@ -32,7 +32,9 @@ class FakeFarm {
 
   void Submit(const PlannedJob& job, int priority = 0, const std::set<std::string>& tags = {});
   // On a farm that remembers these frames of it.
-  void Resume(const PlannedJob& job, const CommittedFrames& frames) { Send(JobSubmitted{job, "job", 0, {}, frames}); }
+  void Resume(const PlannedJob& job, const CommittedFrames& frames) {
+    Send(JobSubmitted{job, "job", 0, {}, frames, true});
+  }
   void Cancel(std::uint64_t job) { Send(JobCancelled{JobId(job)}); }
 
   WorkerId Join(int slots = 1, int ahead = 0);  // a new worker, which does not ask yet
@@ -92,6 +94,7 @@ class FakeFarm {
   void Apply(const JobEnded& event);
   void Apply(const FrameCommitted& event) { committed[event.job][event.frame] = event.committed; }
   void Apply(const AttemptEnded& end);
+  void Apply(const FrameLost& event) { committed[event.job].erase(event.frame); }
   void Apply(const WorkerLost&) {}
   void Apply(const EndWorker& action) { told_to_end.insert(action.worker); }
   void Apply(const Note& note) { notes.push_back(note); }

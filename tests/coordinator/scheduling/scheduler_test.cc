@@ -760,6 +760,32 @@ TEST_P(ResumedKept, AJobGoesOnFromItsBundles) {
   for (const StageSnapshot& stage : after.ended.at(JobId(1)).stages) EXPECT_EQ(stage.tasks_done, stage.tasks_total);
 }
 
+TEST_P(ResumedKept, WhatNobodyAnnouncesIsMadeAgain) {
+  const auto [anchor, frames] = GetParam();
+  const PlannedJob job =
+      MakePlannedJob({.frames = 8, .gop = 3, .views = 2, .refine = 2, .anchor = anchor, .keeps_results = true});
+  FakeFarm before;
+  before.Submit(job);
+  const WorkerId worker = before.JoinAndAsk();
+  while (before.committed[JobId(1)].size() < static_cast<std::size_t>(frames)) before.Finish(worker);
+
+  FakeFarm after;
+  after.committed = before.committed;
+  after.Resume(job, before.committed.at(JobId(1)));
+  after.JoinAndAsk();  // with nothing
+  EXPECT_TRUE(after.ended.empty());
+  after.RunToTheEnd();
+  EXPECT_EQ(after.ended.at(JobId(1)).state, JobState::kDone);
+  for (int frame = 0; frame < 8; ++frame) {
+    EXPECT_EQ(after.CountGrants(TaskKind::kEmit, frame), 1) << frame;
+    const auto bundle = after.scheduler.ResultsOf(JobId(1))->frames[static_cast<std::size_t>(frame)].bundle;
+    ASSERT_TRUE(bundle) << frame;
+    EXPECT_FALSE(after.scheduler.HoldersOf(bundle->key).empty()) << frame;
+  }
+  EXPECT_EQ(after.committed.at(JobId(1)).size(), 8U);
+  for (const StageSnapshot& stage : after.ended.at(JobId(1)).stages) EXPECT_EQ(stage.tasks_done, stage.tasks_total);
+}
+
 INSTANTIATE_TEST_SUITE_P(KeptResultsOfAJob, ResumedKept,
                          testing::Combine(testing::Values(Anchor::kGop, Anchor::kShared),
                                           testing::Values(1, 3, 4, 6, 7, 8)));
@@ -793,7 +819,7 @@ PlannedJob MakeUploadedJob() {
 
 TEST(Scheduler, TasksThatReadUploadsAreToldWhatAndWhere) {
   FakeFarm farm;
-  farm.Send(JobSubmitted{MakeUploadedJob(), "job", 0, {}, {}, true});
+  farm.Send(JobSubmitted{MakeUploadedJob(), "job", 0, {}, {}, false, true});
   const WorkerId worker = farm.JoinAndAsk();
   const Grant analyse = RunUntil(farm, worker, TaskKind::kAnalyse);
   ASSERT_TRUE(analyse.task.spec.uploads.has_value());
@@ -804,7 +830,7 @@ TEST(Scheduler, TasksThatReadUploadsAreToldWhatAndWhere) {
 
 TEST(Scheduler, AJobWithUploadsFailsWhenItsSubmitterIsSilent) {
   FakeFarm farm;
-  farm.Send(JobSubmitted{MakeUploadedJob(), "job", 0, {}, {}, true});
+  farm.Send(JobSubmitted{MakeUploadedJob(), "job", 0, {}, {}, false, true});
   farm.Submit(MakePlannedJob({.id = 2}));
   for (int i = 0; i < 4; ++i) {
     farm.Pass(milliseconds(20'000));
