@@ -138,8 +138,12 @@ int main(int argc, char** argv) {
   app.add_option("--coordinator", options.coordinator, "tcp://HOST:PORT or ipc://PATH of the coordinator")->required();
   app.add_option("--keys", keys, "folder with worker.key, worker.pub and coordinator.pub (see depthfarm keygen)");
   app.add_flag("--insecure", options.insecure, "tcp without keys, on loopback addresses only");
-  app.add_option("--cache-dir", cache_dir, "folder of the artifacts, kept between runs; default: a temporary one");
-  app.add_option("--cache-size", options.cache_bytes, "bound of that folder, e.g. 20GB")
+  app.add_option(
+      "--cache-dir", cache_dir,
+      "folder of the artifacts, kept between runs; workers of one host may share it: what one has made or fetched "
+      "none of them fetches again; default: a temporary one");
+  app.add_option("--cache-size", options.cache_bytes,
+                 "bound of that folder, e.g. 20GB; of a shared one the same for all")
       ->transform(CLI::AsSizeValue(false))
       ->default_str("8GB");
   app.add_option("--memory", options.memory_bytes, "bound of the decoded artifacts kept in memory, e.g. 4GB")

@@ -201,8 +201,9 @@ void Farm::StartCoordinator() {
 
 int Farm::AddWorker(const Words& options) {
   const std::string name = "worker-" + std::to_string(workers_.size());
-  const Words arguments =
-      Words{"--coordinator", endpoint_, "--cache-dir", folder_ / (name + "-cache")} + SecurityOptions() + options;
+  Words arguments = Words{"--coordinator", endpoint_} + SecurityOptions() + options;
+  if (std::ranges::find(options, "--cache-dir") == options.end())
+    arguments = arguments + Words{"--cache-dir", folder_ / (name + "-cache")};
   Result<ChildProcess> worker = ChildProcess::Start(Program("depthfarm-worker"), arguments, folder_ / (name + ".log"));
   if (!worker.ok()) {
     problem_ = worker.status().message();
@@ -218,6 +219,8 @@ Words Farm::SecurityOptions() const {
   if (!keys_.empty()) return {"--keys", keys_};
   return endpoint_.starts_with("tcp://") ? Words{"--insecure"} : Words{};
 }
+
+std::string Farm::LogOf(int index) const { return ReadFile(folder_ / ("worker-" + std::to_string(index) + ".log")); }
 
 std::string Farm::Logs() const {
   std::string text = "coordinator.log:\n" + ReadFile(CoordinatorLog());

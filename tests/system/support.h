@@ -95,8 +95,10 @@ class Farm {
   // problem()) if that one does not answer.
   [[nodiscard]] bool RestartCoordinator(int signal);
   [[nodiscard]] std::string Journal() const { return folder_ / "journal.sqlite"; }
-  // Starts a worker and returns its index.
+  // Starts a worker, with a folder of its own unless the options name one, and returns its index.
   int AddWorker(const Words& options = {});
+  // What the worker logged so far.
+  [[nodiscard]] std::string LogOf(int index) const;
   [[nodiscard]] ChildProcess& worker(int index) { return workers_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] Client& client() { return *client_; }
   // Options that make `depthfarm` talk to this farm.

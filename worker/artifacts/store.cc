@@ -1,61 +1,20 @@
 #include "worker/artifacts/store.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
+#include <set>
 #include <system_error>
+#include <utility>
 
 #include "common/digest/sha256.h"
-#include "worker/artifacts/store_file.h"
 
 namespace depthfarm {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kNameLength = 2 * std::tuple_size_v<ArtifactKey>;
-constexpr std::string_view kHexDigits = "0123456789abcdef";
-
-std::optional<ArtifactKey> KeyOf(std::string_view name) {
-  if (name.size() != kNameLength) return std::nullopt;
-  ArtifactKey key{};
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    const std::size_t digit = kHexDigits.find(name[i]);
-    if (digit == std::string_view::npos) return std::nullopt;
-    key[i / 2] = static_cast<std::uint8_t>((key[i / 2] << 4) | digit);
-  }
-  return key;
-}
-
-// A file that WriteFileAtomically left when its process was killed: a key and more.
-bool IsLeftover(std::string_view name) {
-  return name.size() > kNameLength && name[kNameLength] == '.' && KeyOf(name.substr(0, kNameLength)).has_value();
-}
-
 std::uint64_t FileBytes(const ArtifactInfo& info) { return kStoreFileHeaderBytes + info.stored_bytes; }
 
-void RemoveFile(const fs::path& path) {
-  std::error_code ignored;  // a file that stays is found again, and removed, at the next start
-  fs::remove(path, ignored);
-}
-
 Status NoSuchArtifact(const ArtifactKey& key) { return Unavailable("artifact " + Hex(key) + ": not in this store"); }
-
-// -1 when another process has it.
-Result<int> LockFolder(const fs::path& folder) {
-  const std::string path = (folder / "lock").string();
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0) return Unavailable(path + ": cannot open: " + std::generic_category().message(errno));
-  if (flock(file, LOCK_EX | LOCK_NB) != 0) {
-    const std::string reason = std::generic_category().message(errno);
-    close(file);
-    return Unavailable(folder.string() + ": in use by another worker (" + reason + "): name another --cache-dir");
-  }
-  return file;
-}
 
 }  // namespace
 
@@ -78,60 +37,37 @@ void ArtifactPins::Unpin() {
 }
 
 Result<std::unique_ptr<ArtifactStore>> ArtifactStore::Open(fs::path folder, std::uint64_t max_bytes) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return Unavailable(folder.string() + ": cannot make the folder: " + error.message());
-  DEPTHFARM_ASSIGN_OR_RETURN(const int lock_file, LockFolder(folder));
-  std::unique_ptr<ArtifactStore> store(new ArtifactStore(std::move(folder), max_bytes, lock_file));
+  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<SharedFolder> shared, SharedFolder::Open(folder));
+  std::unique_ptr<ArtifactStore> store(new ArtifactStore(std::move(folder), max_bytes, std::move(shared)));
   DEPTHFARM_RETURN_IF_ERROR(store->Scan());
   return store;
 }
 
-ArtifactStore::ArtifactStore(fs::path folder, std::uint64_t max_bytes, int lock_file)
-    : folder_(std::move(folder)), max_bytes_(max_bytes), lock_file_(lock_file) {}
-
-ArtifactStore::~ArtifactStore() { close(lock_file_); }
-
 Status ArtifactStore::Scan() {
-  struct Found {
-    fs::file_time_type written;
-    ArtifactInfo info;
-  };
-  std::vector<Found> found;
-  std::error_code error;
-  fs::recursive_directory_iterator files(folder_, error);
-  for (; !error && files != fs::recursive_directory_iterator(); files.increment(error)) {
-    const fs::path& path = files->path();
-    const std::string name = path.filename().string();
-    if (IsLeftover(name)) RemoveFile(path);
-    const std::optional<ArtifactKey> key = KeyOf(name);
-    if (!key.has_value() || path != PathOf(*key)) continue;
-    const Result<StoreFileHeader> header = ReadStoreFileHeader(path.string());
-    std::error_code no_time;
-    const fs::file_time_type written = fs::last_write_time(path, no_time);
-    if (!header.ok() || no_time) {
-      RemoveFile(path);
-      continue;
-    }
-    found.push_back({written, {*key, header->bytes, header->content_digest}});
-  }
-  if (error) return Unavailable(folder_.string() + ": cannot list the folder: " + error.message());
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return a.written != b.written ? a.written < b.written : a.info.key < b.info.key;
-  });
   const std::scoped_lock lock(mutex_);
-  for (const Found& file : found) {
-    total_bytes_ += FileBytes(file.info);
-    Insert(file.info, false);
+  {
+    DEPTHFARM_ASSIGN_OR_RETURN(SharedFolder::Change change, folder_->Begin());
+    std::vector<ArtifactKey> removed;
+    // What others pin may be more than this one's bound: it stays for now.
+    (void)change.MakeRoom(0, max_bytes_, removed).ok();
   }
-  DEPTHFARM_RETURN_IF_ERROR(MakeRoom(0));
-  dropped_.clear();
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<SharedFolder::StoredFile> files, folder_->List());
+  std::vector<ArtifactKey> damaged;
+  for (const SharedFolder::StoredFile& file : files) {
+    const std::string path = folder_->PathOf(file.key).string();
+    const Result<StoreFileHeader> header = ReadStoreFileHeader(path);
+    if (header.ok()) {
+      Insert({file.key, header->bytes, header->content_digest}, header->file, false);
+    } else if (IdOfFile(path).has_value()) {
+      damaged.push_back(file.key);
+    }
+  }
+  if (damaged.empty()) return {};
+  DEPTHFARM_ASSIGN_OR_RETURN(SharedFolder::Change change, folder_->Begin());
+  for (const ArtifactKey& key : damaged) {
+    if (!ReadStoreFileHeader(folder_->PathOf(key).string()).ok()) change.Remove(key);
+  }
   return {};
-}
-
-fs::path ArtifactStore::PathOf(const ArtifactKey& key) const {
-  const std::string name = Hex(key);
-  return folder_ / name.substr(0, 2) / name.substr(2, 2) / name;
 }
 
 Result<ArtifactInfo> ArtifactStore::Put(const ArtifactKey& key, std::string_view artifact) {
@@ -141,43 +77,55 @@ Result<ArtifactInfo> ArtifactStore::Put(const ArtifactKey& key, std::string_view
 }
 
 Status ArtifactStore::PutVerified(const ArtifactInfo& info, std::string_view artifact) {
-  const ArtifactKey& key = info.key;
-  const std::uint64_t needed = FileBytes(info);
-  bool there_was_one = false;
+  bool to_verify = false;
   {
     const std::scoped_lock lock(mutex_);
-    const auto known = entries_.find(key);
-    there_was_one = known != entries_.end();
-    if (there_was_one && known->second.verified && known->second.info == info) {
-      Touch(known->second);
-      return {};
+    if (const auto known = Look(info.key); known != entries_.end() && known->second.info == info) {
+      to_verify = !known->second.verified;
+      if (!to_verify) {
+        folder_->Touch(info.key);
+        return {};
+      }
     }
-    Erase(key);
-    if (const Status room = MakeRoom(needed); !room.ok()) {
-      if (there_was_one) dropped_.push_back(key);
-      return room;
-    }
-    total_bytes_ += needed;  // reserved, so that nothing else takes the room while the file is written
   }
-  const fs::path path = PathOf(key);
+  // Another worker, or one before this, has made the same.
+  if (to_verify && ReadAndVerify(info).ok()) return {};
+  if (FileBytes(info) > max_bytes_) {
+    return Unavailable("artifact of " + std::to_string(FileBytes(info)) + " bytes: the store is bounded to " +
+                       std::to_string(max_bytes_) + " bytes: raise --cache-size");
+  }
+  const fs::path path = folder_->PathOf(info.key);
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
-  const Status written = error ? Unavailable(path.string() + ": cannot make its folder: " + error.message())
-                               : WriteStoreFile(path.string(), info.content_digest, artifact);
+  if (error) return Unavailable(path.string() + ": cannot make its folder: " + error.message());
+  const std::string written_as = folder_->TemporaryFor(info.key);
+  Status status = WriteStoreFile(written_as, info.content_digest, artifact);
+  if (status.ok()) status = Accept(info, written_as);
+  fs::remove(written_as, error);  // if it was not taken
+  return status;
+}
+
+Status ArtifactStore::Accept(const ArtifactInfo& info, const std::string& written_as) {
   const std::scoped_lock lock(mutex_);
-  if (!written.ok()) {
-    total_bytes_ -= needed;
-    if (there_was_one) dropped_.push_back(key);
-    return written;
+  DEPTHFARM_ASSIGN_OR_RETURN(SharedFolder::Change change, folder_->Begin());
+  if (const auto there = Look(info.key); there != entries_.end() && there->second.info == info) {
+    // Another worker was faster. Its file stays in place, since somebody may be about to read it.
+    folder_->Touch(info.key);
+    return {};
   }
-  if (const auto other = entries_.find(key); other != entries_.end()) {
-    // Stored twice at the same time: one file, the one renamed last; its digest decides which of the two it is.
-    total_bytes_ -= FileBytes(other->second.info);
-    OrderOf(other->second.rank).erase(other->second.use);
-    entries_.erase(other);
+  const bool there_was_one = entries_.erase(info.key) > 0;
+  change.Remove(info.key);
+  std::vector<ArtifactKey> removed;
+  Status status = change.MakeRoom(FileBytes(info), max_bytes_, removed);
+  for (const ArtifactKey& key : removed) Forget(key);
+  if (status.ok()) status = change.Add(info.key, written_as);
+  const std::optional<FileId> file = IdOfFile(folder_->PathOf(info.key).string());
+  if (status.ok() && file) {
+    Insert(info, *file, true);
+  } else if (there_was_one) {
+    dropped_.push_back(info.key);
   }
-  Insert(info, true);
-  return {};
+  return status;
 }
 
 Result<std::string> ArtifactStore::Get(const ArtifactKey& key) {
@@ -192,8 +140,16 @@ Result<ArtifactChunk> ArtifactStore::ReadChunk(const ArtifactKey& key, std::uint
     return InvalidArgument("artifact " + Hex(key) + ": offset " + std::to_string(offset) + " is past its " +
                            std::to_string(info.stored_bytes) + " bytes");
   }
+  FileId file;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = entries_.find(key);
+    if (entry == entries_.end()) return NoSuchArtifact(key);
+    file = entry->second.file;
+  }
   const std::uint64_t count = std::min(max_bytes, info.stored_bytes - offset);
-  DEPTHFARM_ASSIGN_OR_RETURN(std::string data, ReadStoreFileBytes(PathOf(key).string(), offset, count));
+  // One that another worker evicted or replaced just now is asked for again, and then looked at anew.
+  DEPTHFARM_ASSIGN_OR_RETURN(std::string data, ReadStoreFileBytes(folder_->PathOf(key).string(), file, offset, count));
   return ArtifactChunk{info.stored_bytes, std::move(data)};
 }
 
@@ -201,9 +157,9 @@ Result<ArtifactInfo> ArtifactStore::Verified(const ArtifactKey& key) {
   ArtifactInfo info;
   {
     const std::scoped_lock lock(mutex_);
-    const auto entry = entries_.find(key);
+    const auto entry = Look(key);
     if (entry == entries_.end()) return NoSuchArtifact(key);
-    Touch(entry->second);
+    folder_->Touch(key);
     info = entry->second.info;
     if (entry->second.verified) return info;
   }
@@ -212,48 +168,74 @@ Result<ArtifactInfo> ArtifactStore::Verified(const ArtifactKey& key) {
 }
 
 Result<std::string> ArtifactStore::ReadAndVerify(const ArtifactInfo& info) {
-  Result<std::string> bytes = ReadStoreFileBytes(PathOf(info.key).string(), 0, info.stored_bytes);
+  FileId file;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = entries_.find(info.key);
+    if (entry == entries_.end() || entry->second.info != info) return NoSuchArtifact(info.key);
+    file = entry->second.file;
+  }
+  Result<std::string> bytes = ReadStoreFileBytes(folder_->PathOf(info.key).string(), file, 0, info.stored_bytes);
   const bool right = bytes.ok() && Sha256(*bytes) == info.content_digest;
   const std::scoped_lock lock(mutex_);
-  const auto entry = entries_.find(info.key);
-  const bool current = entry != entries_.end() && entry->second.info == info;
+  const auto entry = Look(info.key);
+  const bool current = entry != entries_.end() && entry->second.info == info && entry->second.file == file;
   if (right) {
     if (current) {
       entry->second.verified = true;
-      Touch(entry->second);
+      folder_->Touch(info.key);
     }
     return bytes;
   }
-  // An entry that was evicted or replaced while its file was read is no damage.
+  // One that was evicted or replaced while its file was read is no damage.
   if (!current) return NoSuchArtifact(info.key);
   Evict(info.key);
   if (!bytes.ok()) return bytes.status();
   return Corrupt("artifact " + Hex(info.key) + ": its file does not match its digest; dropped");
 }
 
-std::optional<ArtifactInfo> ArtifactStore::Find(const ArtifactKey& key) const {
+ArtifactStore::Entries::iterator ArtifactStore::Look(const ArtifactKey& key) {
+  const std::string path = folder_->PathOf(key).string();
+  const std::optional<FileId> there = IdOfFile(path);
+  const auto known = entries_.find(key);
+  if (known != entries_.end() && there == known->second.file) return known;
+  if (known != entries_.end()) Forget(key);
+  if (!there) return entries_.end();
+  const Result<StoreFileHeader> header = ReadStoreFileHeader(path);
+  if (!header.ok()) return entries_.end();
+  Insert({key, header->bytes, header->content_digest}, header->file, false);
+  return entries_.find(key);
+}
+
+std::optional<ArtifactInfo> ArtifactStore::Find(const ArtifactKey& key) {
   const std::scoped_lock lock(mutex_);
-  const auto entry = entries_.find(key);
+  const auto entry = Look(key);
   if (entry == entries_.end()) return std::nullopt;
   return entry->second.info;
 }
 
-std::vector<ArtifactInfo> ArtifactStore::List() const {
+std::vector<ArtifactInfo> ArtifactStore::List() {
   const std::scoped_lock lock(mutex_);
+  std::vector<ArtifactKey> keys;
+  for (const auto& [key, entry] : entries_) keys.push_back(key);
   std::vector<ArtifactInfo> list;
-  list.reserve(entries_.size());
-  for (const auto& [key, entry] : entries_) list.push_back(entry.info);
+  list.reserve(keys.size());
+  for (const ArtifactKey& key : keys) {
+    if (const auto entry = Look(key); entry != entries_.end()) list.push_back(entry->second.info);
+  }
   return list;
 }
 
-std::uint64_t ArtifactStore::total_bytes() const {
+std::uint64_t ArtifactStore::total_bytes() {
   const std::scoped_lock lock(mutex_);
-  return total_bytes_;
+  const Result<SharedFolder::Change> change = folder_->Begin();
+  return change.ok() ? change->bytes() : 0;
 }
 
 ArtifactPins ArtifactStore::Pin(std::vector<ArtifactKey> keys) {
   const std::scoped_lock lock(mutex_);
   for (const ArtifactKey& key : keys) ++pins_[key];
+  TellPins();
   return {this, std::move(keys)};
 }
 
@@ -263,34 +245,52 @@ void ArtifactStore::Unpin(const std::vector<ArtifactKey>& keys) {
     const auto pin = pins_.find(key);
     if (pin != pins_.end() && --pin->second == 0) pins_.erase(pin);
   }
+  TellPins();
 }
 
-void ArtifactStore::Release(const std::vector<ArtifactKey>& keys) { SetRank(keys, Rank::kReleased); }
+void ArtifactStore::TellPins() {
+  std::set<ArtifactKey> keys;
+  for (const auto& [key, count] : pins_) keys.insert(keys.end(), key);
+  folder_->SetPins(keys);
+}
 
-void ArtifactStore::Keep(const std::vector<ArtifactKey>& keys) { SetRank(keys, Rank::kKept); }
+void ArtifactStore::Release(const std::vector<ArtifactKey>& keys) {
+  {
+    const std::scoped_lock lock(mutex_);
+    for (const ArtifactKey& key : keys) kept_.erase(key);
+  }
+  SetRank(keys, SharedFolder::Rank::kReleased);
+}
+
+void ArtifactStore::Keep(const std::vector<ArtifactKey>& keys) {
+  {
+    const std::scoped_lock lock(mutex_);
+    kept_.insert(keys.begin(), keys.end());
+  }
+  SetRank(keys, SharedFolder::Rank::kKept);
+}
 
 void ArtifactStore::KeepNone() {
   std::vector<ArtifactKey> kept;
   {
     const std::scoped_lock lock(mutex_);
-    kept.assign(OrderOf(Rank::kKept).begin(), OrderOf(Rank::kKept).end());
+    kept.assign(kept_.begin(), kept_.end());
+    kept_.clear();
   }
-  SetRank(kept, Rank::kUsed);
+  SetRank(kept, SharedFolder::Rank::kUsed);
 }
 
-void ArtifactStore::SetRank(const std::vector<ArtifactKey>& keys, Rank rank) {
+void ArtifactStore::SetRank(const std::vector<ArtifactKey>& keys, SharedFolder::Rank rank) {
+  if (keys.empty()) return;
   const std::scoped_lock lock(mutex_);
-  for (const ArtifactKey& key : keys) {
-    const auto found = entries_.find(key);
-    if (found == entries_.end() || found->second.rank == rank) continue;
-    OrderOf(rank).splice(OrderOf(rank).end(), OrderOf(found->second.rank), found->second.use);
-    found->second.rank = rank;
-  }
+  Result<SharedFolder::Change> change = folder_->Begin();
+  if (!change.ok()) return;  // then they go in another order
+  for (const ArtifactKey& key : keys) change->SetRank(key, rank);
 }
 
 void ArtifactStore::Drop(const ArtifactKey& key) {
   const std::scoped_lock lock(mutex_);
-  if (entries_.contains(key)) Evict(key);
+  if (Look(key) != entries_.end()) Evict(key);
 }
 
 std::vector<ArtifactKey> ArtifactStore::TakeDropped() {
@@ -298,55 +298,20 @@ std::vector<ArtifactKey> ArtifactStore::TakeDropped() {
   return std::exchange(dropped_, {});
 }
 
-void ArtifactStore::Insert(const ArtifactInfo& info, bool verified) {
-  std::list<ArtifactKey>& order = OrderOf(Rank::kUsed);
-  Entry entry{.info = info, .verified = verified, .rank = Rank::kUsed, .use = order.insert(order.end(), info.key)};
-  entries_.emplace(info.key, entry);
+void ArtifactStore::Insert(const ArtifactInfo& info, const FileId& file, bool verified) {
+  entries_[info.key] = {.info = info, .file = file, .verified = verified};
+  // It is there again: telling of its loss now would be about this one.
+  std::erase(dropped_, info.key);
 }
 
-void ArtifactStore::Touch(Entry& entry) {
-  std::list<ArtifactKey>& order = OrderOf(entry.rank);
-  order.splice(order.end(), order, entry.use);
-}
-
-void ArtifactStore::Erase(const ArtifactKey& key) {
-  const auto found = entries_.find(key);
-  if (found == entries_.end()) return;
-  RemoveFile(PathOf(key));
-  total_bytes_ -= FileBytes(found->second.info);
-  OrderOf(found->second.rank).erase(found->second.use);
-  entries_.erase(found);
+void ArtifactStore::Forget(const ArtifactKey& key) {
+  kept_.erase(key);
+  if (entries_.erase(key) > 0) dropped_.push_back(key);
 }
 
 void ArtifactStore::Evict(const ArtifactKey& key) {
-  Erase(key);
-  dropped_.push_back(key);
-}
-
-Status ArtifactStore::MakeRoom(std::uint64_t needed) {
-  if (needed > max_bytes_) {
-    return Unavailable("artifact of " + std::to_string(needed) + " bytes: the store is bounded to " +
-                       std::to_string(max_bytes_) + " bytes: raise --cache-size");
-  }
-  while (total_bytes_ > max_bytes_ - needed) {
-    const std::optional<ArtifactKey> victim = NextVictim();
-    if (!victim.has_value()) {
-      return Unavailable("artifact of " + std::to_string(needed) + " bytes: all " + std::to_string(total_bytes_) +
-                         " bytes in the store of " + std::to_string(max_bytes_) +
-                         " belong to running tasks: raise --cache-size");
-    }
-    Evict(*victim);
-  }
-  return {};
-}
-
-std::optional<ArtifactKey> ArtifactStore::NextVictim() const {
-  for (const std::list<ArtifactKey>& order : orders_) {
-    const auto victim =
-        std::find_if(order.begin(), order.end(), [this](const ArtifactKey& key) { return !pins_.contains(key); });
-    if (victim != order.end()) return *victim;
-  }
-  return std::nullopt;
+  if (Result<SharedFolder::Change> change = folder_->Begin(); change.ok()) change->Remove(key);
+  Forget(key);
 }
 
 }  // namespace depthfarm

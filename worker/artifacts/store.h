@@ -1,15 +1,14 @@
 #ifndef DEPTHFARM_WORKER_ARTIFACTS_STORE_H_
 #define DEPTHFARM_WORKER_ARTIFACTS_STORE_H_
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +17,8 @@
 #include "common/job/task_spec.h"
 #include "worker/artifacts/chunk_source.h"
 #include "worker/artifacts/key_locks.h"
+#include "worker/artifacts/shared_folder.h"
+#include "worker/artifacts/store_file.h"
 
 namespace depthfarm {
 
@@ -42,22 +43,25 @@ class ArtifactPins {
 };
 
 // The artifacts of one worker: immutable byte strings in a folder, found by key, bounded in bytes. Survives restarts.
+// Workers of one host may share the folder (SharedFolder): what one makes or fetches all find; the bound, the order of
+// eviction and the pins are of all of them.
 //
 // Layout   FOLDER/ab/cd/<key in hex>, ab and cd its first bytes. A file is a header (store_file.h) and the artifact.
 //          It is written under another name and renamed, so a file of a killed worker is whole or absent; nothing is
 //          synced to disk, since what a power cut leaves fails its digest and is made again.
-// Trust    The content digest is checked when a file is first used after a restart and at every Get; what fails it is
-//          dropped.
+// Trust    The content digest is checked when a file is first used after a restart, or was made by another worker, and
+//          at every Get; what fails it is dropped.
 // Bound    Sum of the files. The least recently used goes first, released ones before all others, kept ones after all
-//          others, pinned ones never.
+//          others, pinned ones never. Released and kept is the file, for all workers.
+//          What another worker evicted is found missing when it is asked for next, and reported as dropped.
 // Threads  Every function may be called from any thread; files are read and written outside the lock.
 class ArtifactStore : public ChunkSource {
  public:
   // Opens the folder (made if missing), removes what an earlier run left half-written or damaged and evicts down to
-  // `max_bytes`. Errors: kUnavailable when the folder cannot be made, read or is in use by another worker.
+  // `max_bytes`. Errors: kUnavailable when the folder cannot be made, read or locked.
   [[nodiscard]] static Result<std::unique_ptr<ArtifactStore>> Open(std::filesystem::path folder,
                                                                    std::uint64_t max_bytes);
-  ~ArtifactStore() override;
+  ~ArtifactStore() override = default;
   ArtifactStore(const ArtifactStore&) = delete;
   ArtifactStore& operator=(const ArtifactStore&) = delete;
 
@@ -76,15 +80,20 @@ class ArtifactStore : public ChunkSource {
   [[nodiscard]] Result<ArtifactChunk> ReadChunk(const ArtifactKey& key, std::uint64_t offset,
                                                 std::uint64_t max_bytes) override;
 
-  [[nodiscard]] std::optional<ArtifactInfo> Find(const ArtifactKey& key) const;
-  // All artifacts by key.
-  [[nodiscard]] std::vector<ArtifactInfo> List() const;
+  // Of another worker too.
+  [[nodiscard]] std::optional<ArtifactInfo> Find(const ArtifactKey& key);
+  // By key, all that were there at Open or were put or found since, and still are.
+  [[nodiscard]] std::vector<ArtifactInfo> List();
   // Bytes of all files, headers included: at most the bound.
-  [[nodiscard]] std::uint64_t total_bytes() const;
+  [[nodiscard]] std::uint64_t total_bytes();
 
   // Who is about to fetch an artifact from elsewhere into this store holds its lock, so that it is fetched once
   // (FetchOnce).
   [[nodiscard]] KeyLocks& fetching() { return fetching_; }
+  // And then this, for the same among the workers that share the folder. The wait ends soon after `stop`.
+  [[nodiscard]] FetchTurn TakeFetchTurn(const ArtifactKey& key, const std::stop_token& stop) const {
+    return {folder_path_, key, stop};
+  }
 
   [[nodiscard]] ArtifactPins Pin(std::vector<ArtifactKey> keys);
   // Removes an artifact that turned out to be useless, and reports it as dropped.
@@ -102,44 +111,41 @@ class ArtifactStore : public ChunkSource {
 
  private:
   friend class ArtifactPins;
-  enum class Rank : std::uint8_t { kReleased, kUsed, kKept };  // the order of eviction
   struct Entry {
     ArtifactInfo info;
-    bool verified = false;  // digest seen to be right since Open
-    Rank rank = Rank::kUsed;
-    std::list<ArtifactKey>::iterator use;  // position in the use list
+    FileId file;            // that it was seen in
+    bool verified = false;  // digest seen to be right
   };
+  using Entries = std::map<ArtifactKey, Entry>;
 
-  ArtifactStore(std::filesystem::path folder, std::uint64_t max_bytes, int lock_file);
+  ArtifactStore(std::filesystem::path path, std::uint64_t max_bytes, std::unique_ptr<SharedFolder> folder)
+      : folder_path_(std::move(path)), max_bytes_(max_bytes), folder_(std::move(folder)) {}
   Status Scan();
-  [[nodiscard]] std::filesystem::path PathOf(const ArtifactKey& key) const;
   // The artifact's size after its file was found to be right; marks it as used.
   [[nodiscard]] Result<ArtifactInfo> Verified(const ArtifactKey& key);
   [[nodiscard]] Result<std::string> ReadAndVerify(const ArtifactInfo& info);
+  // Moves a written file to its place, makes room for it.
+  [[nodiscard]] Status Accept(const ArtifactInfo& info, const std::string& written_as);
   void Unpin(const std::vector<ArtifactKey>& keys);
+  void SetRank(const std::vector<ArtifactKey>& keys, SharedFolder::Rank rank);
   // The functions below require the mutex.
-  void Insert(const ArtifactInfo& info, bool verified);
-  void Touch(Entry& entry);
-  void SetRank(const std::vector<ArtifactKey>& keys, Rank rank);
-  [[nodiscard]] std::list<ArtifactKey>& OrderOf(Rank rank) { return orders_[static_cast<std::size_t>(rank)]; }
-  void Erase(const ArtifactKey& key);
+  // Compares what is known with what is there: others add, replace and remove files.
+  [[nodiscard]] Entries::iterator Look(const ArtifactKey& key);
+  void Insert(const ArtifactInfo& info, const FileId& file, bool verified);
+  void Forget(const ArtifactKey& key);  // and report it as dropped
   void Evict(const ArtifactKey& key);
-  // Evicts until `needed` more bytes fit.
-  [[nodiscard]] Status MakeRoom(std::uint64_t needed);
-  [[nodiscard]] std::optional<ArtifactKey> NextVictim() const;
+  void TellPins();
 
-  const std::filesystem::path folder_;
+  const std::filesystem::path folder_path_;
   const std::uint64_t max_bytes_;
-  const int lock_file_;  // held for the store's life: one worker per folder
 
   KeyLocks fetching_;
 
   mutable std::mutex mutex_;
-  std::map<ArtifactKey, Entry> entries_;
-  std::array<std::list<ArtifactKey>, 3> orders_;  // of each rank, least recently used first
+  const std::unique_ptr<SharedFolder> folder_;
+  Entries entries_;
+  std::set<ArtifactKey> kept_;  // that this store was told to keep
   std::map<ArtifactKey, int> pins_;
-  std::uint64_t total_bytes_ = 0;
-  std::uint64_t next_temporary_ = 0;
   std::vector<ArtifactKey> dropped_;
 };
 

@@ -18,6 +18,11 @@ namespace {
 
 constexpr std::string_view kMagic = "DFART001";
 
+FileId IdOf(const struct stat& facts) {
+  return {static_cast<std::uint64_t>(facts.st_dev), static_cast<std::uint64_t>(facts.st_ino),
+          static_cast<std::uint64_t>(facts.st_size)};
+}
+
 OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)); }
 
 // kUnavailable when the file ends before `count` bytes from `position` on.
@@ -64,6 +69,7 @@ Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string header, ReadAt(path, file, 0, kStoreFileHeaderBytes));
   if (!header.starts_with(kMagic)) return Corrupt(path + ": is not an artifact file");
   StoreFileHeader result;
+  result.file = IdOf(facts);
   std::copy_n(header.begin() + kMagic.size(), result.content_digest.size(), result.content_digest.begin());
   result.bytes = ReadU64(header, kMagic.size() + result.content_digest.size());
   if (result.bytes != size - kStoreFileHeaderBytes) {
@@ -73,9 +79,19 @@ Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
   return result;
 }
 
-Result<std::string> ReadStoreFileBytes(const std::string& path, std::uint64_t offset, std::uint64_t count) {
+std::optional<FileId> IdOfFile(const std::string& path) {
+  struct stat facts {};
+  if (lstat(path.c_str(), &facts) != 0 || !S_ISREG(facts.st_mode)) return std::nullopt;
+  return IdOf(facts);
+}
+
+Result<std::string> ReadStoreFileBytes(const std::string& path, const FileId& expected, std::uint64_t offset,
+                                       std::uint64_t count) {
   const OpenFile file = OpenToRead(path);
   if (!file.ok()) return FileFailure(path, "open the file");
+  struct stat facts {};
+  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
+  if (IdOf(facts) != expected) return Unavailable(path + ": was replaced");
   return ReadAt(path, file, kStoreFileHeaderBytes + offset, count);
 }
 

@@ -2,6 +2,7 @@
 #define DEPTHFARM_WORKER_ARTIFACTS_STORE_FILE_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,12 +15,21 @@ namespace depthfarm {
 // artifact.
 inline constexpr std::uint64_t kStoreFileHeaderBytes = 48;
 
+// Which file it is: another one of the same name differs. (It is not what was modified last: files are touched.)
+struct FileId {
+  std::uint64_t device = 0;
+  std::uint64_t inode = 0;
+  std::uint64_t bytes = 0;
+  bool operator==(const FileId&) const = default;
+};
+
 struct StoreFileHeader {
   Sha256Digest content_digest{};
   std::uint64_t bytes = 0;
+  FileId file;
 };
 
-// Header and artifact, written under another name and renamed. The folder must exist.
+// Header and artifact, as a new file. The folder must exist.
 // Errors: kUnavailable, naming the file and the system's reason.
 [[nodiscard]] Status WriteStoreFile(const std::string& path, const Sha256Digest& content_digest,
                                     std::string_view artifact);
@@ -28,8 +38,12 @@ struct StoreFileHeader {
 // header. The artifact itself is not looked at.
 [[nodiscard]] Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path);
 
-// `count` bytes of the artifact from `offset` on. Errors: kUnavailable (also when the file ends before).
-[[nodiscard]] Result<std::string> ReadStoreFileBytes(const std::string& path, std::uint64_t offset,
+// Of the file that is there now; nothing if there is none.
+[[nodiscard]] std::optional<FileId> IdOfFile(const std::string& path);
+
+// `count` bytes of the artifact from `offset` on. Errors: kUnavailable (also when the file ends before, or is another
+// one than `file`).
+[[nodiscard]] Result<std::string> ReadStoreFileBytes(const std::string& path, const FileId& file, std::uint64_t offset,
                                                      std::uint64_t count);
 
 }  // namespace depthfarm

@@ -17,9 +17,10 @@ struct Fetched {
   std::uint64_t fetched_bytes = 0;  // that came from another worker: all, or none when the store had it
 };
 
-// The bytes of an input that the store did not hold a moment ago. Of the threads that share a store one fetches an
-// artifact and stores it; those that want it meanwhile wait, and read what was stored. Errors: as
-// ArtifactFetcher::Fetch; kCancelled at once when `stop` is requested while it waits.
+// The bytes of an input that the store did not hold a moment ago. Of the threads that share a store, and the workers
+// that share its folder, one fetches an artifact and stores it; those that want it meanwhile wait, and read what was
+// stored. Errors: as ArtifactFetcher::Fetch; kCancelled when `stop` is requested while it waits: at once if for a
+// thread of this store, soon if for another worker.
 [[nodiscard]] Result<Fetched> FetchOnce(ArtifactStore& store, ArtifactFetcher& fetcher, const TaskInput& input,
                                         const std::stop_token& stop);
 

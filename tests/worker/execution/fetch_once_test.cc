@@ -87,6 +87,33 @@ TEST_F(FetchOnceTest, WhoWaitsForAnothersFetchStopsWhenAsked) {
   fetcher_.held = false;
 }
 
+TEST_F(FetchOnceTest, BytesThatTwoStoresOfOneFolderWantComeAndCountOnce) {
+  const auto other_store = ArtifactStore::Open(folder_.path(), 1 << 20).value();
+  SlowFetcher other_fetcher;
+  fetcher_.held = true;
+  std::atomic<std::uint64_t> bytes = 0;
+  {
+    std::jthread first([&] { bytes += Fetch().value().fetched_bytes; });
+    AwaitFetch();
+    std::stop_source stop;
+    std::thread stopped([&] {
+      const Result<Fetched> fetched = FetchOnce(*other_store, other_fetcher, Input(), stop.get_token());
+      EXPECT_EQ(fetched.status().code(), ErrorCode::kCancelled);
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // most likely it waits by then
+    stop.request_stop();
+    stopped.join();
+    std::jthread second([&] {
+      const Fetched fetched = FetchOnce(*other_store, other_fetcher, Input(), {}).value();
+      EXPECT_EQ(fetched.artifact, kBytes);
+      bytes += fetched.fetched_bytes;
+    });
+    fetcher_.held = false;
+  }
+  EXPECT_EQ(bytes, kBytes.size());
+  EXPECT_EQ(fetcher_.fetches + other_fetcher.fetches, 1);
+}
+
 TEST_F(FetchOnceTest, FetchesWhenTheStoreHasOtherBytesOfThatKeyOrNoRoom) {
   ASSERT_TRUE(store_->Put(ArtifactKey{1}, "something else").ok());
   EXPECT_EQ(Fetch().value().fetched_bytes, kBytes.size());
