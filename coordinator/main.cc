@@ -40,8 +40,10 @@ int Fail(const depthfarm::Status& status) {
 depthfarm::Result<std::string> JournalFile(const std::string& asked) {
   if (asked == "none") return std::string();
   if (!asked.empty()) return asked;
+  // NOLINTBEGIN(concurrency-mt-unsafe): no other thread has begun
   const char* state = std::getenv("XDG_STATE_HOME");
   const char* home = std::getenv("HOME");
+  // NOLINTEND(concurrency-mt-unsafe)
   std::string folder = state != nullptr ? state : "";
   if (folder.empty() && home != nullptr && *home != '\0') folder = std::string(home) + "/.local/state";
   if (folder.empty() || folder.front() != '/')

@@ -146,6 +146,7 @@ class Extrapolation {
     if (played_frames_ == job_.num_frames || whole_gops_ > 0) return of_played.seconds;
     const std::vector<int> lengths = LengthsToPlay(played_frames_);
     std::vector<double> seconds;
+    seconds.reserve(lengths.size());
     for (const int frames : lengths) seconds.push_back(FindCriticalPath(PartOf(frames).graph).seconds);
     return GoOn(lengths, seconds, gop_frames);
   }

@@ -3,7 +3,6 @@
 
 #include <map>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <string>
 #include <vector>
@@ -45,7 +44,17 @@ struct ByUrgency {
 [[nodiscard]] bool EquallyUrgent(const TaskId& a, const TaskId& b);
 
 // Ready tasks, most urgent first.
-using ReadyRange = std::ranges::subrange<std::set<TaskId, ByUrgency>::const_iterator>;
+class ReadyRange {
+ public:
+  using Iterator = std::set<TaskId, ByUrgency>::const_iterator;
+  ReadyRange(Iterator begin, Iterator end) : begin_(begin), end_(end) {}
+  [[nodiscard]] Iterator begin() const { return begin_; }
+  [[nodiscard]] Iterator end() const { return end_; }
+
+ private:
+  Iterator begin_;
+  Iterator end_;
+};
 
 // The tasks of the open GOPs of one job, with an index of the ready ones.
 class TaskTable {

@@ -42,6 +42,7 @@ class SharedFolder {
     std::int64_t used = 0;  // when last, nanoseconds since 1970
     ArtifactKey key{};
     std::uint64_t bytes = 0;  // of the file
+    // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is the compiler's
     auto operator<=>(const StoredFile&) const = default;
   };
 

@@ -36,8 +36,9 @@ class OutputFolder {
   // folders of such a result exists but nothing says that depthfarm made it: no marker, and no manifest that names
   // files there.
   [[nodiscard]] Status Prepare() const;
-  // Makes the folder ready for a job that goes on: these files of it must be there. Sizes are checked of all and contents
-  // of some, so that another job's files are found out. kInvalidArgument names the first one that is not as it should.
+  // Makes the folder ready for a job that goes on: these files of it must be there. Sizes are checked of all and
+  // contents of some, so that another job's files are found out. kInvalidArgument names the first one that is not as it
+  // should.
   [[nodiscard]] Status Resume(const std::vector<OutputFile>& files) const;
   // Writes a file of an attempt, in whole or not at all. kUnavailable when the folder belongs to no job (any more).
   [[nodiscard]] Status Stage(const std::string& staging, const std::string& path, std::string_view bytes) const;
