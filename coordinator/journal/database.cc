@@ -4,9 +4,9 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <system_error>
 #include <utility>
+
+#include "common/files/open_file.h"
 
 namespace depthfarm {
 namespace {
@@ -77,7 +77,7 @@ Result<std::unique_ptr<Database>> Database::Open(const std::string& path, bool m
   if (!path.empty()) {
     // SQLite would make it readable for all. Paths and names of a studio's jobs are nobody else's business.
     const int file = open(path.c_str(), O_RDWR | O_CLOEXEC | (may_create ? O_CREAT : 0), 0600);
-    if (file < 0) return Unavailable(path + ": " + std::generic_category().message(errno));
+    if (file < 0) return FileFailure(path, may_create ? "open or make the journal" : "open the journal");
     close(file);
   }
   sqlite3* handle = nullptr;

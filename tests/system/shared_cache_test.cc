@@ -60,6 +60,21 @@ TEST_F(SharedCache, FetchesEachArtifactOncePerHost) {
   for (const auto& [key, times] : fetched) EXPECT_EQ(times, 1) << key;
 }
 
+// Each with a folder of its own: the I frame, which all frames of the GOP read, comes to a worker once.
+TEST_F(SharedCache, OrOncePerWorkerWithoutOne) {
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  const Words logging = {"--log-level", "debug"};
+  const int first = farm.AddWorker(logging);
+  const int second = farm.AddWorker(logging + Words{"--slots", "2"});
+  const Outcome submitted = Submit(farm, "out");
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output << farm.Logs();
+  EXPECT_FALSE(Fetched(farm, {first, second}).empty()) << "they should have needed something of each other";
+  for (const int worker : {first, second}) {
+    for (const auto& [key, times] : Fetched(farm, {worker})) EXPECT_EQ(times, 1) << key << " on worker " << worker;
+  }
+}
+
 TEST_F(SharedCache, WorkersOfOneFolderFetchNothingFromEachOther) {
   Farm farm;
   ASSERT_TRUE(farm.ok()) << farm.problem();
