@@ -23,7 +23,7 @@ struct Grant {
   LeaseId lease;
   std::uint64_t ask_id = 0;
   int attempt = 1;
-  bool first_of_job = false;  // the worker needs the JobConfig
+  bool first_of_job = false;  // the worker may not have the JobConfig
   GrantedTask task;
 };
 struct AcknowledgeHeartbeat {

@@ -7,7 +7,7 @@ namespace depthfarm {
 
 std::vector<JobId> FairOrder(std::vector<JobShare> jobs) {
   std::ranges::sort(jobs, {}, [](const JobShare& share) {
-    return std::tuple(-std::int64_t{share.priority}, share.leases, share.last_grant, share.job);
+    return std::tuple(!share.ending, -std::int64_t{share.priority}, share.leases, share.last_grant, share.job);
   });
   std::vector<JobId> order;
   order.reserve(jobs.size());

@@ -15,11 +15,13 @@ struct JobShare {
   int priority = 0;              // larger first
   int leases = 0;                // tasks in the hands of workers
   std::uint64_t last_grant = 0;  // number of its newest lease; 0: none yet
+  bool ending = false;           // failed or cancelled: nothing but its Cleanup is left
 };
 
-// The order in which jobs are offered the next free worker: by priority; of equal ones that with the fewest leases,
-// then that which has waited longest since its last grant, then the oldest. So a job that is submitted behind others of
-// its priority, however many and large, is served as soon as any worker is free, and all go on at the same pace.
+// The order in which jobs are offered the next free worker: those that end, since their Cleanup takes a moment and
+// frees the folder that somebody waits for; then by priority; of equal ones that with the fewest leases, then that
+// which has waited longest since its last grant, then the oldest. So a job that is submitted behind others of its
+// priority, however many and large, is served as soon as any worker is free, and all go on at the same pace.
 [[nodiscard]] std::vector<JobId> FairOrder(std::vector<JobShare> jobs);
 
 // How many of `wanted` ready tasks each of `num_jobs` jobs should have, so that any of them can be served: at least

@@ -48,7 +48,9 @@ bool Scheduler::AssignNext(std::vector<WorkerId>& free_workers) {
 std::vector<JobId> Scheduler::JobsInFairOrder() const {
   std::vector<JobShare> shares;
   shares.reserve(jobs_.size());
-  for (const auto& [id, job] : jobs_) shares.push_back({id, job.priority, workers_.LeasesOf(id), job.last_grant});
+  for (const auto& [id, job] : jobs_) {
+    shares.push_back({id, job.priority, workers_.LeasesOf(id), job.last_grant, job.ending != JobState::kRunning});
+  }
   return FairOrder(std::move(shares));
 }
 
@@ -212,7 +214,7 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
     lease.told.emplace_back(task->spec.inputs[i].artifact.key, task->holders[i]);
   }
   const int attempt = job.progress->Find(placement.task)->failures + 1;
-  const bool first_of_job = worker.known_jobs.insert(placement.task.job).second;
+  const bool first_of_job = !std::exchange(worker.told_jobs[placement.task.job], true);
   AddNote(Note::Severity::kInfo, "task_granted",
           {{"task", TaskName(placement.task)},
            {"lease", std::to_string(lease_id.value())},

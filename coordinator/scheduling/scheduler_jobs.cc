@@ -256,7 +256,7 @@ void Scheduler::EndJob(JobId id, JobState state) {
     workers_.EndLease(lease_id);
   }
   for (auto& [worker_id, worker] : workers_.workers()) {
-    if (worker.known_jobs.erase(id) > 0) Add(ForgetJob{worker_id, id});
+    if (worker.told_jobs.erase(id) > 0) Add(ForgetJob{worker_id, id});
   }
   JobSnapshot snapshot = Snapshot(id, job);
   snapshot.state = state;

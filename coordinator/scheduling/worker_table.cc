@@ -16,7 +16,7 @@ Worker& WorkerTable::Join(const WorkerJoined& event, TimePoint now) {
   worker.told_to_end = false;
   worker.last_heard = now;
   worker.ask.reset();
-  worker.known_jobs.clear();
+  worker.told_jobs.clear();
   WorkersChanged();
   return worker;
 }

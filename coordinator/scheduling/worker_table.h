@@ -40,11 +40,11 @@ struct Worker {
     std::uint64_t id = 0;
     TimePoint received;
   };
-  std::optional<Ask> ask;          // the newest, until it is granted
-  std::set<LeaseId> leases;        // with those that were revoked and did not end yet
-  int revoked = 0;                 // how many of these were
-  std::uint64_t memory_taken = 0;  // by the tasks of all of these
-  std::set<JobId> known_jobs;      // whose JobConfig it has
+  std::optional<Ask> ask;           // the newest, until it is granted
+  std::set<LeaseId> leases;         // with those that were revoked and did not end yet
+  int revoked = 0;                  // how many of these were
+  std::uint64_t memory_taken = 0;   // by the tasks of all of these
+  std::map<JobId, bool> told_jobs;  // whose JobConfig was sent to it; false: it may not have come
   std::uint64_t tasks_done = 0;
 };
 

@@ -25,6 +25,10 @@ TEST(FairOrder, ThenTheOneThatWaitedLongestThenTheOldest) {
               ElementsAre(JobId(2), JobId(3), JobId(4)));
 }
 
+TEST(FairOrder, AJobThatEndsIsOverFirst) {
+  EXPECT_THAT(FairOrder({{JobId(1), 9, 0, 0, false}, {JobId(2), 0, 5, 7, true}}), ElementsAre(JobId(2), JobId(1)));
+}
+
 TEST(FairOrder, NothingOfNothing) { EXPECT_TRUE(FairOrder({}).empty()); }
 
 TEST(ReadyShare, IsRoundedUpAndNeverNone) {

@@ -78,6 +78,18 @@ TEST(Scheduler, TheJobConfigGoesWithTheFirstTaskOnly) {
   EXPECT_TRUE(farm.Running(worker).first_of_job);  // it may have been restarted
 }
 
+TEST(Scheduler, TheJobConfigGoesAgainAfterATaskWasGivenBack) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({}));
+  const WorkerId worker = farm.JoinAndAsk();
+  farm.Finish(worker);
+  farm.Fail(worker, Status(ErrorCode::kLeaseExpired, "this worker was never told of the job"));
+  EXPECT_TRUE(farm.Running(worker).first_of_job);
+  EXPECT_EQ(farm.Running(worker).attempt, 1);  // nobody's failure
+  farm.Finish(worker);
+  EXPECT_FALSE(farm.Running(worker).first_of_job);
+}
+
 TEST(Scheduler, ReissuesATaskWhenItsLeaseExpires) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({}));
