@@ -12,17 +12,17 @@
 #include "common/files/atomic_file.h"
 #include "common/log/log.h"
 #include "coordinator/journal/journal.h"
-#include "coordinator/service/coordinator.h"
+#include "coordinator/service/coordinator_server.h"
 
 namespace {
 
 constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
 
-std::atomic<depthfarm::Coordinator*> running{nullptr};
+std::atomic<depthfarm::CoordinatorServer*> running{nullptr};
 
 void OnSignal(int) {
-  if (depthfarm::Coordinator* coordinator = running.load()) coordinator->Stop();
+  if (depthfarm::CoordinatorServer* coordinator = running.load()) coordinator->Stop();
 }
 
 void StopOn(int signal) {
@@ -99,7 +99,8 @@ int main(int argc, char** argv) {
   if (!journal_file.ok()) return Fail(journal_file.status());
   options.journal = std::move(journal_file).value();
 
-  depthfarm::Result<std::unique_ptr<depthfarm::Coordinator>> coordinator = depthfarm::Coordinator::Create(options);
+  depthfarm::Result<std::unique_ptr<depthfarm::CoordinatorServer>> coordinator =
+      depthfarm::CoordinatorServer::Create(options);
   if (!coordinator.ok()) return Fail(coordinator.status());
   running.store(coordinator->get());
   StopOn(SIGTERM);

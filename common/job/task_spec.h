@@ -147,7 +147,9 @@ struct JobConfig {
   JobId job;
   std::uint32_t algorithm_version = kAlgorithmVersion;
   ResolvedJob resolved;
-  std::string output_dir;      // absolute, as the submitter sees it; empty for a job that keeps its results
+  std::string output_dir;  // absolute, as the submitter sees it; empty for a job that keeps its results
+  // Of this run of the job alone: says whose its output folder is. No result depends on it.
+  std::uint64_t claim = 0;
   bool keeps_results = false;  // each frame's files stay one artifact of its Emit, for whoever fetches them
   std::string sequence_name;
   std::string sequence_file;

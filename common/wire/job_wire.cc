@@ -215,6 +215,7 @@ v1::JobConfig ToProto(const JobConfig& config) {
   proto.set_num_frames(static_cast<std::uint32_t>(job.num_frames));
   proto.set_output_dir(config.output_dir);
   proto.set_keeps_results(config.keeps_results);
+  proto.set_claim(config.claim);
   proto.set_sequence_name(config.sequence_name);
   proto.set_sequence_file(config.sequence_file);
   if (config.render) {
@@ -256,6 +257,7 @@ Result<JobConfig> FromProto(const v1::JobConfig& proto) {
     DEPTHFARM_ASSIGN_OR_RETURN(config.resolved, ResolvedFromProto(proto));
   }
   config.keeps_results = proto.keeps_results();
+  config.claim = proto.claim();
   if (!config.keeps_results) {
     DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("output folder", proto.output_dir()));
   } else if (!proto.output_dir().empty() || config.render) {

@@ -72,9 +72,9 @@ std::string Statement::Bytes(int column) const {
   return bytes == nullptr ? std::string() : std::string(static_cast<const char*>(bytes), size);
 }
 
-Result<std::unique_ptr<Database>> Database::Open(const std::string& path, bool may_create) {
+Result<std::unique_ptr<Database>> Database::Open(const std::string& path, bool may_create, const std::string& vfs) {
   const std::string name = path.empty() ? "journal in memory" : path;
-  if (!path.empty()) {
+  if (!path.empty() && vfs.empty()) {
     // SQLite would make it readable for all. Paths and names of a studio's jobs are nobody else's business.
     const int file = open(path.c_str(), O_RDWR | O_CLOEXEC | (may_create ? O_CREAT : 0), 0600);
     if (file < 0) return FileFailure(path, may_create ? "open or make the journal" : "open the journal");
@@ -82,7 +82,8 @@ Result<std::unique_ptr<Database>> Database::Open(const std::string& path, bool m
   }
   sqlite3* handle = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_FULLMUTEX | SQLITE_OPEN_EXRESCODE;
-  const int code = sqlite3_open_v2(path.empty() ? ":memory:" : path.c_str(), &handle, flags, nullptr);
+  const int code =
+      sqlite3_open_v2(path.empty() ? ":memory:" : path.c_str(), &handle, flags, vfs.empty() ? nullptr : vfs.c_str());
   std::unique_ptr<Database> database(new Database(handle, name));
   if (code != SQLITE_OK) return ErrorOf(handle, code, name);
   // Exclusive before WAL: then no shared memory file is needed, and who opens it second is refused.

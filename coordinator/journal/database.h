@@ -48,8 +48,10 @@ class Statement {
 // by another process), kCorrupt (damaged, no database).
 class Database {
  public:
-  // Opens the file, or makes it if `may_create`, its owner's only (0600); an empty path: in memory.
-  [[nodiscard]] static Result<std::unique_ptr<Database>> Open(const std::string& path, bool may_create);
+  // Opens the file, or makes it if `may_create`, its owner's only (0600); an empty path: in memory. `vfs`: a registered
+  // SQLite VFS that has the file, empty for the system's.
+  [[nodiscard]] static Result<std::unique_ptr<Database>> Open(const std::string& path, bool may_create,
+                                                              const std::string& vfs = {});
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;

@@ -68,7 +68,7 @@ Journal::~Journal() = default;
 
 Result<std::unique_ptr<Journal>> Journal::Open(const std::string& path, const JournalOptions& options,
                                                bool may_create) {
-  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(path, may_create));
+  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(path, may_create, options.vfs));
   DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t application, Pragma(*database, "application_id"));
   DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t version, Pragma(*database, "user_version"));
   Statement tables = database->Prepare("SELECT count(*) FROM sqlite_master");

@@ -32,6 +32,7 @@ struct JournalOptions {
   // Of jobs that ended and may be asked for more: failed or cancelled ones can go on, results that workers keep can be
   // fetched.
   std::size_t kept_submissions = 100;
+  std::string vfs = {};  // SQLite's way to the file, by its registered name; empty: the system's
 };
 
 // What must outlive the coordinator, in one SQLite file: jobs, and which of their frames are in place. All else is

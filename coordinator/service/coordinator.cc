@@ -1,9 +1,7 @@
 #include "coordinator/service/coordinator.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
-#include <random>
 #include <set>
 #include <utility>
 #include <variant>
@@ -24,8 +22,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kTick{50};
-constexpr int kMessagesPerTick = 1000;  // a flood must not keep leases from expiring
 constexpr int kMaxVersionText = 100;
 constexpr std::size_t kMostKeptJobs = 20'000;  // all are listed in one message
 
@@ -119,67 +115,34 @@ Status CoordinatorOptions::Validate() const {
   return {};
 }
 
-Coordinator::Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease, std::unique_ptr<Journal> journal)
+Coordinator::Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease, std::unique_ptr<Journal> journal,
+                         bool secure)
     : options_(options),
-      now_(std::chrono::steady_clock::now()),
+      secure_(secure),
       scheduler_(SchedulerOptionsOf(options, first_lease)),
       history_(options.kept_jobs),
-      journal_(std::move(journal)) {}
+      journal_(std::move(journal)),
+      last_claim_(first_lease) {}
 
-Result<std::unique_ptr<Coordinator>> Coordinator::Create(const CoordinatorOptions& options) {
-  DEPTHFARM_RETURN_IF_ERROR(options.Validate());
-  DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint endpoint, ParseEndpoint(options.endpoint));
-  DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(endpoint, !options.keys_dir.empty(), options.insecure));
-  // Leases of an earlier coordinator may still be named by its workers: begin far from them.
-  const std::uint64_t first_lease = (std::uint64_t{std::random_device{}() & 0x7fffffffU} << 24U) + 1;
-  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal,
-                             Journal::Open(options.journal, {.kept_jobs = options.kept_jobs}));
-  std::unique_ptr<Coordinator> coordinator(new Coordinator(options, first_lease, std::move(journal)));
-  ServerOptions server;
-  if (!options.keys_dir.empty()) {
-    DEPTHFARM_ASSIGN_OR_RETURN(CoordinatorKeys keys, ReadCoordinatorKeys(options.keys_dir));
-    DEPTHFARM_RETURN_IF_ERROR(coordinator->context_.Authenticate(std::move(keys.allowed)));
-    server.curve_secret_key = keys.own.secret_key;
-  }
-  DEPTHFARM_ASSIGN_OR_RETURN(coordinator->channel_,
-                             ServerChannel::Bind(coordinator->context_, options.endpoint, server));
-  DEPTHFARM_RETURN_IF_ERROR(coordinator->Restore());
-  return coordinator;
+void Coordinator::Tick(TimePoint now) {
+  now_ = now;
+  CarryOut(scheduler_.Tick(now_));
 }
 
-void Coordinator::Stop() {
-  stop_.store(true);
-  poller_.Wake();
-}
-
-Status Coordinator::Run() {
-  LogInfo("coordinator_started", {{"endpoint", endpoint()}, {"secure", !options_.keys_dir.empty()}});
-  const std::array<const Channel*, 1> channels = {channel_.get()};
-  while (!stop_.load()) {
-    DEPTHFARM_RETURN_IF_ERROR(poller_.Wait(channels, kTick));
-    for (int i = 0; i < kMessagesPerTick && !stop_.load(); ++i) {
-      DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<PeerMessage> message, channel_->Receive());
-      if (!message) break;
-      now_ = std::chrono::steady_clock::now();
-      HandleMessage(*message);
-    }
-    now_ = std::chrono::steady_clock::now();
-    CarryOut(scheduler_.Tick(now_));
-  }
+void Coordinator::SayGoodbye() {
   v1::Envelope stop;
   stop.mutable_stop_worker();
   for (const auto& [id, session] : workers_.all()) Send(session.peer, stop);
-  LogInfo("coordinator_stopped", {{"workers", workers_.all().size()}, {"jobs", jobs_.size()}});
-  return {};
 }
 
-void Coordinator::HandleMessage(const PeerMessage& message) {
+void Coordinator::Handle(const PeerMessage& message, TimePoint now) {
+  now_ = now;
   const Result<v1::Envelope> envelope = ParseEnvelope(message.payload);
   if (!envelope.ok()) {
     Refuse(message, 0, envelope.status());
     return;
   }
-  const Status allowed = CheckRole(message.user_id, !options_.keys_dir.empty(), *envelope);
+  const Status allowed = CheckRole(message.user_id, secure_, *envelope);
   if (!allowed.ok()) {
     Refuse(message, envelope->request_id(), allowed);
   } else if (IsFromWorker(*envelope)) {
@@ -277,7 +240,7 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
   welcome.mutable_worker_welcome()->set_worker_id(id->value());
   welcome.mutable_worker_welcome()->set_heartbeat_ms(static_cast<std::uint32_t>(options_.heartbeat.count()));
   welcome.mutable_worker_welcome()->set_lease_ms(static_cast<std::uint32_t>(options_.lease.count()));
-  Send(message.peer, welcome);
+  Send(message.peer, std::move(welcome));
   Dispatch(event);
 }
 
@@ -309,7 +272,7 @@ void Coordinator::HandleFromClient(const PeerMessage& message, const v1::Envelop
     return;
   }
   answer->set_request_id(envelope.request_id());
-  Send(message.peer, *answer);
+  Send(message.peer, std::move(answer).value());
 }
 
 Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
@@ -336,7 +299,7 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
     case v1::Envelope::kStopCoordinator: {
       v1::Envelope answer;
       answer.mutable_done();
-      stop_.store(true);
+      asked_to_stop_ = true;
       return answer;
     }
     default:
@@ -347,7 +310,7 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
 Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
   const JobId id(last_job_ + 1);
   DEPTHFARM_ASSIGN_OR_RETURN(PlannedJob job, PlanSubmission(request, id));
-  if (!job.uploads.empty() && !options_.keys_dir.empty() && job.uploads_from.public_key.empty() &&
+  if (!job.uploads.empty() && secure_ && job.uploads_from.public_key.empty() &&
       job.uploads_from.endpoint.starts_with("tcp://")) {
     return InvalidArgument("uploads: the server has no key, which this farm asks for");
   }
@@ -476,14 +439,12 @@ void Coordinator::CarryOut(const std::vector<Action>& actions) {
   for (const Action& action : actions) std::visit([this](const auto& typed) { Do(typed); }, action);
 }
 
-void Coordinator::Send(const std::string& peer, const v1::Envelope& envelope) {
-  const Status sent = channel_->Send(peer, SerializeEnvelope(envelope));
-  // Leases and requests time out; whoever is gone says hello or asks again.
-  if (!sent.ok()) LogDebug("message_not_sent", {{"message", BodyName(envelope)}, {"reason", sent.message()}});
+void Coordinator::Send(const std::string& peer, v1::Envelope envelope) {
+  outgoing_.push_back({peer, std::move(envelope)});
 }
 
-void Coordinator::SendTo(WorkerId worker, const v1::Envelope& envelope) {
-  if (const WorkerSession* session = workers_.Find(worker)) Send(session->peer, envelope);
+void Coordinator::SendTo(WorkerId worker, v1::Envelope envelope) {
+  if (const WorkerSession* session = workers_.Find(worker)) Send(session->peer, std::move(envelope));
 }
 
 void Coordinator::Refuse(const PeerMessage& message, std::uint64_t request_id, const Status& reason) {
@@ -491,7 +452,7 @@ void Coordinator::Refuse(const PeerMessage& message, std::uint64_t request_id, c
   v1::Envelope envelope;
   envelope.set_request_id(request_id);
   *envelope.mutable_error() = ToProto(reason);
-  Send(message.peer, envelope);
+  Send(message.peer, std::move(envelope));
 }
 
 }  // namespace depthfarm

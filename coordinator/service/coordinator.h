@@ -1,18 +1,16 @@
 #ifndef DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_H_
 #define DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_H_
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/status.h"
-#include "common/transport/context.h"
-#include "common/transport/poller.h"
 #include "common/transport/server_channel.h"
 #include "common/wire/envelope.h"
 #include "coordinator/journal/journal.h"
@@ -39,25 +37,36 @@ struct CoordinatorOptions {
   [[nodiscard]] Status Validate() const;
 };
 
-// The daemon: one socket, one thread, the scheduler. Carries out what the scheduler decides and answers clients.
-// The rules of the wire: proto/PROTOCOL.md.
+// A message for a worker or a client.
+struct OutgoingMessage {
+  std::string peer;  // PeerMessage::peer
+  v1::Envelope envelope;
+};
+
+// What the daemon is without its socket: carries out what the scheduler decides, keeps the journal, answers clients.
+// Holds no socket, thread or clock; times passed to it never go back. The rules of the wire: proto/PROTOCOL.md.
 class Coordinator {
  public:
-  // Reads keys, opens the journal, goes on with the jobs in it, and binds. Errors: kInvalidArgument (options, keys,
-  // security), kUnavailable (address or journal in use), those of Journal::Open.
-  [[nodiscard]] static Result<std::unique_ptr<Coordinator>> Create(const CoordinatorOptions& options);
+  // `first_lease`: a lease number that no earlier coordinator of the same workers used. `secure`: peers are
+  // authenticated, messages carry their users. Requires options.Validate().
+  Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease, std::unique_ptr<Journal> journal,
+              bool secure);
 
-  // Where it listens in fact.
-  [[nodiscard]] const std::string& endpoint() const { return channel_->endpoint(); }
-  // Serves until Stop or a client's StopCoordinator; then tells the workers to stop.
-  [[nodiscard]] Status Run();
-  // Ends Run soon. From any thread, and from signal handlers.
-  void Stop();
+  // Goes on with the jobs of the journal. Once, before anything else. Errors: those of the journal.
+  [[nodiscard]] Status Restore(TimePoint now);
+  void Handle(const PeerMessage& message, TimePoint now);
+  // Does what is due: leases that ran out, jobs that end.
+  void Tick(TimePoint now);
+  // What is to be sent, in order; empty until the next call that makes some.
+  [[nodiscard]] std::vector<OutgoingMessage> TakeOutgoing() { return std::exchange(outgoing_, {}); }
+
+  // Whether a client asked for the end.
+  [[nodiscard]] bool asked_to_stop() const { return asked_to_stop_; }
+  // Tells the workers to stop.
+  void SayGoodbye();
+  [[nodiscard]] const Scheduler& scheduler() const { return scheduler_; }
 
  private:
-  Coordinator(const CoordinatorOptions& options, std::uint64_t first_lease, std::unique_ptr<Journal> journal);
-
-  void HandleMessage(const PeerMessage& message);
   void HandleFromWorker(const PeerMessage& message, const v1::Envelope& envelope);
   void HandleFromClient(const PeerMessage& message, const v1::Envelope& envelope);
   void HandleHello(const PeerMessage& message, const v1::WorkerHello& hello);
@@ -74,7 +83,6 @@ class Coordinator {
   [[nodiscard]] v1::Envelope ListWorkers() const;
 
   // coordinator_journal.cc
-  [[nodiscard]] Status Restore();
   [[nodiscard]] Status RestoreEnded(const JournaledJob& job);
   // Plans a job of the journal again and lets it go on from its committed frames.
   [[nodiscard]] Status GoOn(const JournaledJob& job, bool workers_are_here);
@@ -100,16 +108,15 @@ class Coordinator {
   void Do(const EndWorker& action);
   void Do(const Note& action);
 
-  void Send(const std::string& peer, const v1::Envelope& envelope);
-  void SendTo(WorkerId worker, const v1::Envelope& envelope);
+  void Send(const std::string& peer, v1::Envelope envelope);
+  void SendTo(WorkerId worker, v1::Envelope envelope);
   void Refuse(const PeerMessage& message, std::uint64_t request_id, const Status& reason);
 
   const CoordinatorOptions options_;
-  TransportContext context_;
-  std::unique_ptr<ServerChannel> channel_;
-  Poller poller_;
-  std::atomic<bool> stop_{false};
+  const bool secure_;
+  bool asked_to_stop_ = false;
   TimePoint now_;  // of the message being handled
+  std::vector<OutgoingMessage> outgoing_;
 
   Scheduler scheduler_;
   WorkerSessions workers_;
@@ -125,6 +132,7 @@ class Coordinator {
   std::map<JobId, TimePoint> submitted_;
   AttemptRecords attempts_;
   std::uint64_t last_job_ = 0;
+  std::uint64_t last_claim_;  // counted from the first lease on: no other coordinator has used it
 };
 
 }  // namespace depthfarm

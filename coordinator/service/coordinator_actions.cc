@@ -26,8 +26,10 @@ void Coordinator::Do(const Grant& action) {
     if (const WorkerSession* session = workers_.Find(holder)) spec.known->locations.push_back(session->artifacts);
   }
   *grant->mutable_task() = ToProto(spec);
-  if (action.first_of_job) *grant->mutable_job() = jobs_.at(spec.id.job).config;
-  SendTo(action.worker, envelope);
+  const v1::JobConfig& config = jobs_.at(spec.id.job).config;
+  grant->set_claim(config.claim());
+  if (action.first_of_job) *grant->mutable_job() = config;
+  SendTo(action.worker, std::move(envelope));
   const WorkerSession* worker = workers_.Find(action.worker);
   attempts_.Begin(action.lease, {.task = spec.id,
                                  .worker = action.worker,
@@ -46,31 +48,31 @@ void Coordinator::Do(const AcknowledgeHeartbeat& action) {
   v1::HeartbeatAck* ack = envelope.mutable_heartbeat_ack();
   ack->set_heartbeat_id(action.heartbeat_id);
   for (const LeaseId lease : action.unknown) ack->add_unknown_leases(lease.value());
-  SendTo(action.worker, envelope);
+  SendTo(action.worker, std::move(envelope));
 }
 
 void Coordinator::Do(const Revoke& action) {
   v1::Envelope envelope;
   envelope.mutable_revoke_lease()->set_lease_id(action.lease.value());
-  SendTo(action.worker, envelope);
+  SendTo(action.worker, std::move(envelope));
 }
 
 void Coordinator::Do(const Release& action) {
   v1::Envelope envelope;
   for (const ArtifactKey& key : action.keys) envelope.mutable_release_artifacts()->add_keys(DigestBytes(key));
-  SendTo(action.worker, envelope);
+  SendTo(action.worker, std::move(envelope));
 }
 
 void Coordinator::Do(const Keep& action) {
   v1::Envelope envelope;
   for (const ArtifactKey& key : action.keys) envelope.mutable_keep_artifacts()->add_keys(DigestBytes(key));
-  SendTo(action.worker, envelope);
+  SendTo(action.worker, std::move(envelope));
 }
 
 void Coordinator::Do(const ForgetJob& action) {
   v1::Envelope envelope;
   envelope.mutable_job_ended()->set_job_id(action.job.value());
-  SendTo(action.worker, envelope);
+  SendTo(action.worker, std::move(envelope));
 }
 
 void Coordinator::Do(const FrameCommitted& action) {
@@ -117,7 +119,7 @@ void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker);
 void Coordinator::Do(const EndWorker& action) {
   v1::Envelope envelope;
   envelope.mutable_stop_worker();
-  SendTo(action.worker, envelope);
+  SendTo(action.worker, std::move(envelope));
 }
 
 void Coordinator::Do(const Note& action) {

@@ -25,7 +25,8 @@ bool Fits(const JobPlan& plan, int frame, const CommittedFrame& committed) {
 
 }  // namespace
 
-Status Coordinator::Restore() {
+Status Coordinator::Restore(TimePoint now) {
+  now_ = now;
   DEPTHFARM_ASSIGN_OR_RETURN(const JobId last, journal_->LastJob());
   last_job_ = last.value();
   DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<JournaledJob> jobs, journal_->Jobs());
@@ -130,6 +131,7 @@ Status Coordinator::GoOn(const JournaledJob& job, bool workers_are_here) {
 
 void Coordinator::Start(PlannedJob job, const v1::SubmitJob& submission, std::set<std::string> tags,
                         CommittedFrames committed, bool ran_before) {
+  job.config.claim = ++last_claim_;
   jobs_[job.config.job] = {ToProto(job.config), Summary(job)};
   submitted_.emplace(job.config.job, now_);
   const bool serves_uploads = !job.uploads.empty();

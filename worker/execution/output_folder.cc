@@ -1,7 +1,11 @@
 #include "worker/execution/output_folder.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <atomic>
 #include <system_error>
+#include <utility>
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
@@ -12,6 +16,13 @@ namespace depthfarm {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kRemoved = ".depthfarm-removed-";
+constexpr std::uint64_t kMaxMarkerBytes = 1000;
+
+std::string MarkerText(std::uint64_t run, bool ready) {
+  return "a depthfarm job writes into this folder: run " + std::to_string(run) + (ready ? "\n" : ", not ready yet\n");
+}
 
 // One component of a path: it cannot lead anywhere else.
 bool IsPlainName(std::string_view name) {
@@ -41,13 +52,13 @@ Status CheckContent(const fs::path& path, const OutputFile& expected) {
 
 }  // namespace
 
-Result<OutputFolder> OutputFolder::At(const std::string& dir, OutputContent content) {
+Result<OutputFolder> OutputFolder::At(const std::string& dir, OutputContent content, FolderClaim claim) {
   const fs::path path(dir);
   const bool climbs = std::ranges::find(path, fs::path("..")) != path.end();
   if (!path.is_absolute() || climbs || path == path.root_path()) {
     return InvalidArgument("output folder '" + dir + "': expected an absolute path of a folder without '..'");
   }
-  return OutputFolder(path, content);
+  return OutputFolder(path, content, std::move(claim));
 }
 
 fs::path OutputFolder::Manifest() const {
@@ -62,6 +73,53 @@ fs::path OutputFolder::Marker() const {
 std::vector<fs::path> OutputFolder::Folders() const {
   if (content_ == OutputContent::kViews) return {dir_ / kViewsFolder};
   return {dir_ / kDepthFolder, dir_ / kConfidenceFolder};
+}
+
+Result<OutputFolder::Owner> OutputFolder::ReadMarker() const {
+  if (!Exists(Marker())) return Owner::kNobody;
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string text, ReadFileBytes(Marker().string(), kMaxMarkerBytes));
+  if (text == MarkerText(claim_.run, true)) return Owner::kOurs;
+  return text == MarkerText(claim_.run, false) ? Owner::kOursUnready : Owner::kOther;
+}
+
+Status OutputFolder::WriteMarker(bool ready) const {
+  DEPTHFARM_RETURN_IF_ERROR(CheckLease());
+  return WriteFileAtomically(Marker().string(), MarkerText(claim_.run, ready));
+}
+
+Status OutputFolder::CheckLease() const {
+  if (!claim_.still_leased || claim_.still_leased()) return {};
+  return {ErrorCode::kLeaseExpired, dir_.string() + ": left alone, since the lease of the task ran out"};
+}
+
+Status OutputFolder::CheckOurs() const {
+  DEPTHFARM_ASSIGN_OR_RETURN(const Owner owner, ReadMarker());
+  if (owner == Owner::kNobody)
+    return Unavailable(dir_.string() + ": belongs to no job (" + Marker().filename().string() + " is missing)");
+  if (owner == Owner::kOther) return Unavailable(dir_.string() + ": belongs to another job by now");
+  return CheckLease();
+}
+
+Status OutputFolder::Remove(const fs::path& path) const {
+  static std::atomic<unsigned> removed{0};
+  while (Exists(path)) {
+    DEPTHFARM_RETURN_IF_ERROR(CheckLease());
+    const fs::path aside = dir_ / (kRemoved + std::to_string(getpid()) + "-" + std::to_string(++removed));
+    std::error_code error;
+    fs::rename(path, aside, error);
+    if (!error) return RemoveAll(aside);
+    const bool taken = error == std::errc::directory_not_empty || error == std::errc::file_exists;
+    if (!taken && Exists(path)) return Unavailable(path.string() + ": cannot remove: " + error.message());
+  }
+  return {};
+}
+
+// Of workers that ended while they removed something. Another one may be at it.
+void OutputFolder::RemoveLeftovers() const {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(dir_, error)) {
+    if (entry.path().filename().string().starts_with(kRemoved)) (void)RemoveAll(entry.path());
+  }
 }
 
 // "depth/<camera>/<file>", "confidence/<camera>/<file>" or "views/<file>".
@@ -94,16 +152,20 @@ bool OutputFolder::Owns(const fs::path& folder) const {
 
 Status OutputFolder::Prepare() const {
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(dir_.string()));
+  DEPTHFARM_ASSIGN_OR_RETURN(const Owner owner, ReadMarker());
+  if (owner == Owner::kOurs) return {};  // by an earlier attempt: frames may be in place by now
   for (const fs::path& folder : Folders()) {
     if (!Exists(folder) || Owns(folder)) continue;
     return InvalidArgument(folder.string() + ": exists and was not made by depthfarm (no " +
                            Manifest().filename().string() + " beside it that names it): choose another folder");
   }
   // The marker first: a worker that dies below leaves a folder that is still known to be ours.
-  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically((Marker()).string(), "a depthfarm job writes into this folder\n"));
-  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Manifest()));
-  for (const fs::path& folder : Folders()) DEPTHFARM_RETURN_IF_ERROR(RemoveAll(folder));
-  return RemoveStaging();
+  DEPTHFARM_RETURN_IF_ERROR(WriteMarker(false));
+  DEPTHFARM_RETURN_IF_ERROR(Remove(Manifest()));
+  for (const fs::path& folder : Folders()) DEPTHFARM_RETURN_IF_ERROR(Remove(folder));
+  DEPTHFARM_RETURN_IF_ERROR(Remove(dir_ / kStagingFolder));
+  RemoveLeftovers();
+  return WriteMarker(true);
 }
 
 Status OutputFolder::Resume(const std::vector<OutputFile>& files) const {
@@ -111,6 +173,8 @@ Status OutputFolder::Resume(const std::vector<OutputFile>& files) const {
   const auto gone = [](const fs::path& path, const std::string& what) {
     return InvalidArgument(path.string() + ": " + what + ", so the job cannot go on: submit it again");
   };
+  DEPTHFARM_ASSIGN_OR_RETURN(const Owner owner, ReadMarker());
+  if (owner == Owner::kOurs) return {};
   // Without a marker its manifest was written, and the coordinator never heard of it.
   if (!Exists(Marker()) && !Exists(Manifest())) return gone(dir_, "belongs to no job any more");
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -122,9 +186,11 @@ Status OutputFolder::Resume(const std::vector<OutputFile>& files) const {
     if (bytes != files[i].bytes || (i % kReadEach == 0 && !CheckContent(path, files[i]).ok()))
       return gone(path, "is not what the job wrote");
   }
-  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(Marker().string(), "a depthfarm job writes into this folder\n"));
-  DEPTHFARM_RETURN_IF_ERROR(RemoveAll(Manifest()));
-  return RemoveStaging();
+  DEPTHFARM_RETURN_IF_ERROR(WriteMarker(false));
+  DEPTHFARM_RETURN_IF_ERROR(Remove(Manifest()));
+  DEPTHFARM_RETURN_IF_ERROR(Remove(dir_ / kStagingFolder));
+  RemoveLeftovers();
+  return WriteMarker(true);
 }
 
 Result<fs::path> OutputFolder::StagingOf(const std::string& staging) const {
@@ -136,8 +202,7 @@ Status OutputFolder::Stage(const std::string& staging, const std::string& path, 
   DEPTHFARM_RETURN_IF_ERROR(CheckOutputPath(path));
   DEPTHFARM_ASSIGN_OR_RETURN(const fs::path folder, StagingOf(staging));
   // An attempt that outlives its job must not make folders in what is a finished result.
-  if (!Exists(Marker()))
-    return Unavailable(dir_.string() + ": belongs to no job (" + Marker().filename().string() + " is missing)");
+  DEPTHFARM_RETURN_IF_ERROR(CheckOurs());
   const fs::path file = folder / path;
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(file.parent_path().string()));
   return WriteFileAtomically(file.string(), bytes);
@@ -147,10 +212,11 @@ Status OutputFolder::Commit(const std::string& staging, const std::vector<Output
   DEPTHFARM_ASSIGN_OR_RETURN(const fs::path folder, StagingOf(staging));
   for (const OutputFile& file : files) DEPTHFARM_RETURN_IF_ERROR(CheckOutputPath(file.path));
   for (const OutputFile& file : files) DEPTHFARM_RETURN_IF_ERROR(CommitFile(folder, file));
-  return RemoveAll(folder);
+  return Remove(folder);
 }
 
 Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file) const {
+  DEPTHFARM_RETURN_IF_ERROR(CheckOurs());
   const fs::path source = staging / file.path;
   const fs::path target = dir_ / file.path;
   if (!Exists(source)) {
@@ -159,6 +225,7 @@ Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file)
   }
   DEPTHFARM_RETURN_IF_ERROR(CheckContent(source, file));
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(target.parent_path().string()));
+  DEPTHFARM_RETURN_IF_ERROR(CheckLease());
   std::error_code error;
   fs::rename(source, target, error);
   if (!error) return {};
@@ -168,11 +235,23 @@ Status OutputFolder::CommitFile(const fs::path& staging, const OutputFile& file)
 }
 
 Status OutputFolder::Finish(std::string_view manifest) const {
+  DEPTHFARM_ASSIGN_OR_RETURN(const Owner owner, ReadMarker());
+  if (owner == Owner::kNobody && Exists(Manifest())) {
+    const Result<std::string> written = ReadFileBytes(Manifest().string(), manifest.size());
+    if (written.ok() && *written == manifest) return {};  // by an earlier attempt
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckOurs());
   DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(Manifest().string(), manifest));
-  DEPTHFARM_RETURN_IF_ERROR(RemoveStaging());
+  DEPTHFARM_RETURN_IF_ERROR(Remove(dir_ / kStagingFolder));
+  RemoveLeftovers();
+  DEPTHFARM_RETURN_IF_ERROR(CheckOurs());
   return RemoveAll(Marker());
 }
 
-Status OutputFolder::RemoveStaging() const { return RemoveAll(dir_ / kStagingFolder); }
+Status OutputFolder::RemoveStaging() const {
+  DEPTHFARM_RETURN_IF_ERROR(Remove(dir_ / kStagingFolder));
+  RemoveLeftovers();
+  return {};
+}
 
 }  // namespace depthfarm

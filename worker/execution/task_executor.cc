@@ -44,6 +44,7 @@ struct TaskExecutor::Task {
   const TaskSpec& spec;
   const JobConfig& config;
   const std::stop_token& stop;
+  const StillLeased& still_leased;
   TaskInputs& inputs;
 
   [[nodiscard]] const ResolvedJob& job() const { return config.resolved; }
@@ -52,7 +53,8 @@ struct TaskExecutor::Task {
     return config.render ? "part " + std::to_string(spec.id.frame) : "frame " + std::to_string(SequenceFrame());
   }
   [[nodiscard]] Result<OutputFolder> Output() const {
-    return OutputFolder::At(config.output_dir, config.render ? OutputContent::kViews : OutputContent::kDepth);
+    return OutputFolder::At(config.output_dir, config.render ? OutputContent::kViews : OutputContent::kDepth,
+                            {.run = config.claim, .still_leased = still_leased});
   }
   // Of the first input of that role.
   [[nodiscard]] std::optional<ArtifactKey> KeyOf(InputRole role) const {
@@ -127,7 +129,8 @@ Result<RefinedView> StartOf(const TaskSpec& spec, const ResolvedJob& job, const 
 
 }  // namespace
 
-TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
+TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop,
+                                  const StillLeased& still_leased) {
   const ResourceUsage before = UsageOfThread();
   const auto start = std::chrono::steady_clock::now();
   TaskOutcome outcome;
@@ -135,7 +138,7 @@ TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config,
   try {
     outcome.pins = std::make_shared<std::vector<ArtifactPins>>();
     outcome.pins->push_back(store_.Pin(KeysOf(spec)));
-    outcome.status = Run({spec, config, stop, inputs}, outcome);
+    outcome.status = Run({spec, config, stop, still_leased, inputs}, outcome);
   } catch (const std::bad_alloc&) {
     outcome.status = Unavailable(TaskName(spec.id) + ": no memory left on this worker");
   } catch (const std::exception& error) {

@@ -14,6 +14,7 @@
 #include "worker/artifacts/store.h"
 #include "worker/estimation/reward_floors.h"
 #include "worker/execution/artifact_fetcher.h"
+#include "worker/execution/lease_term.h"
 #include "worker/execution/passed_rounds.h"
 #include "worker/execution/task_inputs.h"
 #include "worker/refinement/view_memory.h"
@@ -46,7 +47,9 @@ class TaskExecutor {
   // Never throws. Errors name camera and frame (of the sequence): kInvalidArgument: the job or its pictures are wrong;
   // kIncompatible: the job pins another algorithm version; kUnavailable: an input, a file, the disk or memory is out of
   // reach here; kCancelled, within a second after `stop` is requested.
-  [[nodiscard]] TaskOutcome Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop);
+  // kLeaseExpired: `still_leased` said no before something was written that others see.
+  [[nodiscard]] TaskOutcome Execute(const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop,
+                                    const StillLeased& still_leased = {});
 
  private:
   struct Task;

@@ -48,6 +48,12 @@ WorkerState Lifecycle::state() const {
   return WorkerState::kGone;
 }
 
+std::optional<TimePoint> Lifecycle::ExpiryOf(LeaseId lease) const {
+  const auto held = held_.find(lease);
+  if (held == held_.end() || held->second.stopped) return std::nullopt;
+  return held->second.expires;
+}
+
 std::vector<LifecycleAction> Lifecycle::Handle(const LifecycleEvent& event, TimePoint now) {
   if (link_ == Link::kGone) return {};
   now_ = now;

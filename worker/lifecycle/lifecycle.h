@@ -150,6 +150,8 @@ class Lifecycle {
   [[nodiscard]] TimePoint NextDue() const;
 
   [[nodiscard]] WorkerState state() const;
+  // Until when the task is the worker's to do, as far as is known now; nothing when it is not.
+  [[nodiscard]] std::optional<TimePoint> ExpiryOf(LeaseId lease) const;
 
  private:
   struct Held {

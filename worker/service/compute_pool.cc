@@ -91,7 +91,12 @@ void ComputePool::Compute(int slot) {
     --idle_slots_;
     lock.unlock();
     changed_.notify_all();  // without an idle slot, inputs are fetched ahead
-    TaskOutcome outcome = execute_(slot, entry->task.spec, *entry->task.config, entry->stop.get_token());
+    TaskOutcome outcome;
+    if (entry->task.term->over()) {
+      outcome.status = {ErrorCode::kLeaseExpired, "the lease ran out before the task was begun"};
+    } else {
+      outcome = execute_(slot, entry->task, entry->stop.get_token());
+    }
     lock.lock();
     ++idle_slots_;
     End(entry, std::move(outcome));

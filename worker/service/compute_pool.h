@@ -13,6 +13,7 @@
 
 #include "common/job/task_spec.h"
 #include "worker/execution/fetch_ahead.h"
+#include "worker/execution/lease_term.h"
 #include "worker/execution/task_executor.h"
 
 namespace depthfarm {
@@ -22,6 +23,7 @@ struct LeasedTask {
   LeaseId lease;
   TaskSpec spec;
   std::shared_ptr<const JobConfig> config;
+  std::shared_ptr<LeaseTerm> term;
 };
 
 struct LeasedOutcome {
@@ -35,7 +37,7 @@ struct LeasedOutcome {
 class ComputePool {
  public:
   // Both are called in threads of the pool; Execute with the slot, 0 to slots - 1, which runs one task at a time.
-  using Execute = std::function<TaskOutcome(int slot, const TaskSpec&, const JobConfig&, const std::stop_token&)>;
+  using Execute = std::function<TaskOutcome(int slot, const LeasedTask&, const std::stop_token&)>;
   // Fetch ends soon after `stop`, and after what it is at when `enough` is requested.
   using Fetch =
       std::function<FetchedAhead(const TaskSpec&, const std::stop_token& stop, const std::stop_token& enough)>;
@@ -46,7 +48,7 @@ class ComputePool {
   ComputePool(const ComputePool&) = delete;
   ComputePool& operator=(const ComputePool&) = delete;
 
-  // Requires that the lease is new.
+  // Requires that the lease is new. A task whose term is over when a slot takes it is not begun (kLeaseExpired).
   void Start(LeasedTask task);
   // Asks a task to stop; its outcome comes all the same. Nothing if there is no such task.
   void Stop(LeaseId lease);

@@ -80,10 +80,11 @@ Status WorkerService::Open() {
   lifecycle_ = std::make_unique<Lifecycle>(lifecycle, Now());
   compute_ = std::make_unique<ComputePool>(
       options_.slots,
-      [this](int slot, const TaskSpec& spec, const JobConfig& config, const std::stop_token& stop) {
+      [this](int slot, const LeasedTask& task, const std::stop_token& stop) {
         LogCollector collector(
             {.lines = kMaxTaskLogLines, .bytes = kMaxTaskLogBytes, .line_bytes = kMaxTaskLogLineBytes});
-        TaskOutcome outcome = executors_[static_cast<std::size_t>(slot)]->Execute(spec, config, stop);
+        TaskOutcome outcome = executors_[static_cast<std::size_t>(slot)]->Execute(
+            task.spec, *task.config, stop, [&task] { return !task.term->over(); });
         outcome.status = options_.paths.Explain(outcome.status);
         outcome.log = {collector.TakeLines(), collector.left_out()};
         return outcome;
@@ -256,8 +257,9 @@ void WorkerService::OnGrant(const v1::GrantTask& grant) {
     jobs_[config->job] = std::make_shared<const JobConfig>(WithLocalPaths(std::move(*config), options_.paths));
   }
   const auto job = jobs_.find(spec->id.job);
-  if (job == jobs_.end()) return refuse(Unavailable("this worker was never told of the job"));
-  granted_ = LeasedTask{lease, WithLocalPaths(std::move(*spec), options_.paths), job->second};
+  if (job == jobs_.end() || job->second->claim != grant.claim())
+    return refuse({ErrorCode::kLeaseExpired, "this worker was never told of this run of the job"});
+  granted_ = LeasedTask{lease, WithLocalPaths(std::move(*spec), options_.paths), job->second, nullptr};
   Handle(event::Granted{lease, grant.ask_id()});
   granted_.reset();
 }
@@ -273,9 +275,16 @@ void WorkerService::OnOutcome(LeasedOutcome outcome) {
                          {"fetched_bytes", stats.fetched_bytes},
                          {"reused", stats.reused}});
   const LeaseId lease = outcome.lease;
+  terms_.erase(lease);
   ended_ = std::move(outcome);
   Handle(event::TaskEnded{lease});
   ended_.reset();
+}
+
+void WorkerService::RenewTerms() {
+  for (const auto& [lease, term] : terms_) {
+    term->Set(lifecycle_->ExpiryOf(lease).value_or(TimePoint()));
+  }
 }
 
 void WorkerService::ReportDropped() {
@@ -289,6 +298,7 @@ void WorkerService::CarryOut(std::vector<LifecycleAction> actions) {
   for (const LifecycleAction& next : actions) {
     std::visit([this](const auto& wanted) { Do(wanted); }, next);
   }
+  RenewTerms();
 }
 
 void WorkerService::Do(const action::SendHello& hello) {
@@ -304,6 +314,8 @@ void WorkerService::Do(const action::SendHeartbeat& beat) { Send(HeartbeatMessag
 
 void WorkerService::Do(const action::StartTask& start) {
   LogInfo("task_started", {{"lease", start.lease.value()}, {"task", TaskName(granted_->spec.id)}});
+  granted_->term = std::make_shared<LeaseTerm>(lifecycle_->ExpiryOf(start.lease).value());
+  terms_[start.lease] = granted_->term;
   compute_->Start(std::move(*granted_));
 }
 

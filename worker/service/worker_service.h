@@ -90,6 +90,7 @@ class WorkerService {
   void OnMessage(const v1::Envelope& message);
   void OnGrant(const v1::GrantTask& grant);
   void OnOutcome(LeasedOutcome outcome);
+  void RenewTerms();
   void ReportDropped();
   void CheckParent();
   void Handle(const LifecycleEvent& event);
@@ -121,8 +122,9 @@ class WorkerService {
   std::unique_ptr<ClientChannel> coordinator_;
   std::unique_ptr<Lifecycle> lifecycle_;
   std::map<JobId, std::shared_ptr<const JobConfig>> jobs_;
-  std::optional<LeasedTask> granted_;   // while the lifecycle decides about it
-  std::optional<LeasedOutcome> ended_;  // same
+  std::map<LeaseId, std::shared_ptr<LeaseTerm>> terms_;  // of tasks that did not end yet
+  std::optional<LeasedTask> granted_;                    // while the lifecycle decides about it
+  std::optional<LeasedOutcome> ended_;                   // same
   std::optional<Status> exit_;
   std::unique_ptr<ComputePool> compute_;  // last: ends first
 };

@@ -97,6 +97,7 @@ JobConfig TestConfig() {
   config.job = JobId(12);
   config.algorithm_version = 5;
   config.output_dir = "/out/arc";
+  config.claim = 77;
   config.sequence_name = "arc";
   config.sequence_file = "/data/arc.json";
   config.resolved.params = TestParams();
@@ -250,6 +251,7 @@ TEST(JobConfigWire, EveryFieldComesBack) {
   EXPECT_EQ(got->job, sent.job);
   EXPECT_EQ(got->algorithm_version, sent.algorithm_version);
   EXPECT_EQ(got->output_dir, sent.output_dir);
+  EXPECT_EQ(got->claim, sent.claim);
   EXPECT_EQ(got->sequence_name, sent.sequence_name);
   EXPECT_EQ(got->sequence_file, sent.sequence_file);
   const ResolvedJob& a = got->resolved;

@@ -1,10 +1,9 @@
-#include "coordinator/service/coordinator.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
 
 #include "common/transport/farm_keys.h"
+#include "coordinator/service/coordinator_server.h"
 #include "tests/coordinator/service/fake_peers.h"
 #include "tests/support/temporary_folder.h"
 
@@ -196,7 +195,7 @@ TEST(Coordinator, KeysHaveRoles) {
 
 TEST(CoordinatorOptions, NameTheValueAndTheBound) {
   const auto message = [](const CoordinatorOptions& options) {
-    return Coordinator::Create(options).status().message();
+    return CoordinatorServer::Create(options).status().message();
   };
   EXPECT_NE(message({.endpoint = "tcp://127.0.0.1:*"}).find("needs keys"), std::string::npos);
   EXPECT_NE(message({.endpoint = "tcp://*:*", .insecure = true}).find("not a loopback"), std::string::npos);

@@ -110,7 +110,7 @@ int FakeFarmWorker::WorkUntilJobEnds() {
 }
 
 RunningCoordinator::RunningCoordinator(const CoordinatorOptions& options) {
-  Result<std::unique_ptr<Coordinator>> coordinator = Coordinator::Create(options);
+  Result<std::unique_ptr<CoordinatorServer>> coordinator = CoordinatorServer::Create(options);
   EXPECT_TRUE(coordinator.ok()) << coordinator.status().message();
   coordinator_ = std::move(coordinator).value();
   thread_ = std::thread([this] { EXPECT_TRUE(coordinator_->Run().ok()); });

@@ -10,7 +10,7 @@
 #include "common/transport/client_channel.h"
 #include "common/transport/context.h"
 #include "common/wire/envelope.h"
-#include "coordinator/service/coordinator.h"
+#include "coordinator/service/coordinator_server.h"
 
 namespace depthfarm {
 
@@ -58,7 +58,7 @@ class RunningCoordinator {
   void Join() { thread_.join(); }
 
  private:
-  std::unique_ptr<Coordinator> coordinator_;
+  std::unique_ptr<CoordinatorServer> coordinator_;
   std::thread thread_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
@@ -30,9 +31,14 @@ class OutputFolderTest : public testing::Test {
     std::ofstream(path) << content;
   }
 
+  // As a later run of a job sees the folder.
+  [[nodiscard]] OutputFolder Run(std::uint64_t run, const StillLeased& still_leased = {}) const {
+    return OutputFolder::At(dir_.string(), OutputContent::kDepth, {run, still_leased}).value();
+  }
+
   testing_support::TemporaryFolder temporary_;
   fs::path dir_ = temporary_.path() / "out";
-  OutputFolder folder_ = OutputFolder::At(dir_.string()).value();
+  OutputFolder folder_ = Run(1);
 };
 
 TEST_F(OutputFolderTest, IsAnAbsoluteFolderOfItsOwn) {
@@ -56,26 +62,29 @@ TEST_F(OutputFolderTest, AJobThatGoesOnKeepsItsFiles) {
   const std::vector<OutputFile> files{FileOf("depth/cam0/0000.png", "depth")};
   ASSERT_TRUE(folder_.Commit("f0-a1", files).ok());
   ASSERT_TRUE(folder_.Stage("f1-a1", "depth/cam0/0001.png", "half").ok());
-  ASSERT_TRUE(folder_.Resume(files).ok());
+  const OutputFolder second = Run(2);
+  ASSERT_TRUE(second.Resume(files).ok());
   EXPECT_EQ(Content("depth/cam0/0000.png"), "depth");
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
   // Its manifest may have been written before the coordinator was lost.
-  ASSERT_TRUE(folder_.Finish("{}").ok());
-  ASSERT_TRUE(folder_.Resume(files).ok());
+  ASSERT_TRUE(second.Finish("{}").ok());
+  const OutputFolder third = Run(3);
+  ASSERT_TRUE(third.Resume(files).ok());
   EXPECT_FALSE(fs::exists(dir_ / "depth.json"));
-  EXPECT_TRUE(folder_.Stage("f1-a2", "depth/cam0/0001.png", "more").ok());
+  EXPECT_TRUE(third.Stage("f1-a2", "depth/cam0/0001.png", "more").ok());
 }
 
 TEST_F(OutputFolderTest, AJobDoesNotGoOnWithFilesThatAreNotItsOwn) {
   const std::vector<OutputFile> files{FileOf("depth/cam0/0000.png", "depth")};
-  EXPECT_THAT(folder_.Resume(files).message(), HasSubstr("belongs to no job any more"));
+  const OutputFolder second = Run(2);
+  EXPECT_THAT(second.Resume(files).message(), HasSubstr("belongs to no job any more"));
   ASSERT_TRUE(folder_.Prepare().ok());
-  EXPECT_THAT(folder_.Resume(files).message(), HasSubstr("depth/cam0/0000.png: is missing"));
+  EXPECT_THAT(second.Resume(files).message(), HasSubstr("depth/cam0/0000.png: is missing"));
   Write(dir_ / "depth/cam0/0000.png", "deptH");
-  const Status other = folder_.Resume(files);
+  const Status other = second.Resume(files);
   EXPECT_EQ(other.code(), ErrorCode::kInvalidArgument);
   EXPECT_THAT(other.message(), HasSubstr("is not what the job wrote"));
-  EXPECT_EQ(folder_.Resume({FileOf("../x", "depth")}).code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(second.Resume({FileOf("../x", "depth")}).code(), ErrorCode::kInvalidArgument);
 }
 
 TEST_F(OutputFolderTest, ACommitMayBeRepeated) {
@@ -123,7 +132,7 @@ TEST_F(OutputFolderTest, ConfidenceGoesBesideTheDepthAndWithIt) {
   ASSERT_TRUE(folder_.Commit("s", {FileOf("confidence/a/0.png", "sure")}).ok());
   EXPECT_EQ(Content("confidence/a/0.png"), "sure");
   ASSERT_TRUE(folder_.Finish(ManifestText(true)).ok());
-  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(Run(2).Prepare().ok());
   EXPECT_FALSE(fs::exists(dir_ / "confidence")) << "the next job begins anew";
 }
 
@@ -181,8 +190,76 @@ TEST_F(OutputFolderTest, TakesOverTheFolderOfAJobThatFailed) {
   ASSERT_TRUE(folder_.Stage("t", "depth/a/1.png", "two").ok());
   ASSERT_TRUE(folder_.RemoveStaging().ok());
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-staging"));
-  EXPECT_TRUE(folder_.Prepare().ok());
+  EXPECT_TRUE(Run(2).Prepare().ok());
   EXPECT_FALSE(fs::exists(dir_ / "depth"));
+}
+
+TEST_F(OutputFolderTest, APrepareThatComesLateRemovesNothing) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("s", "depth/a/0.png", "one").ok());
+  ASSERT_TRUE(folder_.Commit("s", {FileOf("depth/a/0.png", "one")}).ok());
+  EXPECT_TRUE(folder_.Prepare().ok()) << "another attempt of it has done it";
+  EXPECT_EQ(Content("depth/a/0.png"), "one");
+}
+
+TEST_F(OutputFolderTest, APrepareGoesOnWhereAnotherOneDied) {
+  Write(dir_ / "depth.json", "{}");
+  Write(dir_ / "depth/a/0.png", "old");
+  int looks = 0;
+  const Status died = Run(1, [&looks] { return ++looks <= 2; }).Prepare();
+  EXPECT_EQ(died.code(), ErrorCode::kLeaseExpired);
+  EXPECT_EQ(folder_.Stage("s", "depth/a/0.png", "new").code(), ErrorCode::kOk);
+  EXPECT_TRUE(fs::exists(dir_ / "depth/a/0.png"));
+  ASSERT_TRUE(folder_.Prepare().ok());
+  EXPECT_FALSE(fs::exists(dir_ / "depth"));
+}
+
+// Whatever a worker is at when it stands still: when it goes on, others have the folder, and notice nothing.
+TEST_F(OutputFolderTest, WhoseLeaseIsOverChangesNothing) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("s", "depth/a/0.png", "one").ok());
+  ASSERT_TRUE(folder_.Stage("late", "depth/a/1.png", "two").ok());
+  ASSERT_TRUE(folder_.Commit("s", {FileOf("depth/a/0.png", "one")}).ok());
+  const auto all = [this] {
+    std::map<std::string, std::string> files;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir_))
+      if (entry.is_regular_file()) files[entry.path().string()] = ReadFileBytes(entry.path().string(), 1000).value();
+    return files;
+  };
+  const auto before = all();
+  for (const std::uint64_t run : {1, 2}) {
+    const OutputFolder late = Run(run, [] { return false; });
+    if (run == 2) {
+      EXPECT_EQ(late.Prepare().code(), ErrorCode::kLeaseExpired);
+    }
+    EXPECT_FALSE(late.Stage("more", "depth/a/2.png", "three").ok());
+    EXPECT_FALSE(late.Commit("late", {FileOf("depth/a/1.png", "two")}).ok());
+    EXPECT_FALSE(late.Finish("{}").ok());
+    EXPECT_EQ(late.RemoveStaging().code(), ErrorCode::kLeaseExpired);
+    EXPECT_EQ(all(), before) << "run " << run;
+  }
+}
+
+TEST_F(OutputFolderTest, ATaskOfAnEarlierRunLeavesTheFolderOfALaterOneAlone) {
+  ASSERT_TRUE(folder_.Prepare().ok());
+  ASSERT_TRUE(folder_.Stage("old", "depth/a/0.png", "old").ok());
+  const OutputFolder second = Run(2);
+  ASSERT_TRUE(second.Prepare().ok());
+  ASSERT_TRUE(second.Stage("new", "depth/a/0.png", "new").ok());
+  EXPECT_THAT(folder_.Stage("old", "depth/a/0.png", "old").message(), HasSubstr("belongs to another job by now"));
+  EXPECT_EQ(folder_.Commit("new", {FileOf("depth/a/0.png", "new")}).code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(folder_.Finish("{}").code(), ErrorCode::kUnavailable);
+  EXPECT_TRUE(second.Commit("new", {FileOf("depth/a/0.png", "new")}).ok());
+  EXPECT_TRUE(second.Finish("{}").ok());
+  EXPECT_TRUE(second.Finish("{}").ok()) << "may be repeated";
+  EXPECT_EQ(folder_.Finish("{\"old\": 1}").code(), ErrorCode::kUnavailable);
+  EXPECT_EQ(Content("depth.json"), "{}");
+}
+
+TEST_F(OutputFolderTest, WhatADeadWorkerWasRemovingGoesWithTheNextJob) {
+  Write(dir_ / ".depthfarm-removed-17-1/depth/a/0.png", "old");
+  ASSERT_TRUE(folder_.Prepare().ok());
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-removed-17-1"));
 }
 
 TEST_F(OutputFolderTest, AnAttemptThatOutlivesItsJobWritesNothing) {

@@ -185,6 +185,23 @@ TEST_F(LifecycleTest, AnAckedHeartbeatRenewsTheLeaseFromWhenItWasSent) {
   EXPECT_EQ(Count<action::StopTask>(Tick()), 1);
 }
 
+TEST_F(LifecycleTest, SaysUntilWhenATaskIsItsOwn) {
+  EXPECT_EQ(worker_.ExpiryOf(kTask), std::nullopt);
+  const std::uint64_t ask = Join();
+  const TimePoint asked = now_;
+  Pass(kHeartbeat / 2);
+  (void)Handle(event::Granted{kTask, ask});
+  EXPECT_EQ(worker_.ExpiryOf(kTask), asked + kLease);
+  Pass(kHeartbeat / 2);
+  const TimePoint sent = now_;
+  const std::uint64_t beat = Only<action::SendHeartbeat>(Tick()).heartbeat_id;
+  Pass(Milliseconds(10));
+  (void)Handle(event::HeartbeatAcked{beat, {}});
+  EXPECT_EQ(worker_.ExpiryOf(kTask), sent + kLease);
+  (void)Handle(event::Revoked{kTask});
+  EXPECT_EQ(worker_.ExpiryOf(kTask), std::nullopt);
+}
+
 TEST_F(LifecycleTest, AnAckOfAHeartbeatWithoutTheLeaseDoesNotRenewIt) {
   const std::uint64_t ask = Join();  // its heartbeat, 1, names no lease
   const TimePoint asked = now_;

@@ -19,9 +19,7 @@ class ComputePoolTest : public testing::Test {
   void Open(int slots) {
     pool_ = std::make_unique<ComputePool>(
         slots,
-        [this](int slot, const TaskSpec& spec, const JobConfig&, const std::stop_token& stop) {
-          return Run(slot, spec, stop);
-        },
+        [this](int slot, const LeasedTask& task, const std::stop_token& stop) { return Run(slot, task.spec, stop); },
         [this](const TaskSpec& spec, const std::stop_token&, const std::stop_token& enough) {
           Note("fetch " + std::to_string(spec.id.frame));
           std::unique_lock lock(mutex_);
@@ -42,10 +40,12 @@ class ComputePoolTest : public testing::Test {
     if (!free_.contains(spec.id.frame)) outcome.status = Cancelled();
     return outcome;
   }
-  void Start(int frame) {
-    LeasedTask task{LeaseId(static_cast<std::uint64_t>(frame)), {}, std::make_shared<JobConfig>()};
+  std::shared_ptr<LeaseTerm> Start(int frame) {
+    const auto term = std::make_shared<LeaseTerm>(LeaseTerm::Clock::time_point::max());
+    LeasedTask task{LeaseId(static_cast<std::uint64_t>(frame)), {}, std::make_shared<JobConfig>(), term};
     task.spec.id.frame = frame;
     pool_->Start(std::move(task));
+    return term;
   }
   void Free(int frame) {
     const std::scoped_lock lock(mutex_);
@@ -104,6 +104,18 @@ TEST_F(ComputePoolTest, RunsTasksInOrderAlsoIfOneIsFetchedFor) {
   Free(2);
   Free(3);
   for (const std::uint64_t lease : {1, 2, 3}) EXPECT_EQ(NextOutcome().lease, LeaseId(lease));
+}
+
+TEST_F(ComputePoolTest, DoesNotBeginATaskWhoseLeaseRanOutWhileItWaited) {
+  Open(1);
+  Start(1);
+  (void)AwaitNotes(1);
+  Start(2)->Set({});
+  (void)AwaitNotes(2);
+  Free(1);
+  EXPECT_TRUE(NextOutcome().outcome.status.ok());
+  EXPECT_EQ(NextOutcome().outcome.status.code(), ErrorCode::kLeaseExpired);
+  EXPECT_THAT(AwaitNotes(2), ElementsAre("run 1", "fetch 2"));
 }
 
 TEST_F(ComputePoolTest, RunsAsManyAsItHasSlots) {

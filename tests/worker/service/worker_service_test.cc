@@ -136,10 +136,12 @@ TEST_F(WorkerServiceTest, ServesWhatItMade) {
   EXPECT_EQ(fetched->size(), artifact.stored_bytes);
 }
 
-TEST_F(WorkerServiceTest, AnswersAGrantOfAJobItDoesNotKnow) {
+TEST_F(WorkerServiceTest, GivesBackATaskOfAJobItDoesNotKnow) {
   Welcome();
   Grant(11, job_.Analyse(0, 0), false);
-  EXPECT_EQ(Await(v1::Envelope::kTaskFinished).task_finished().error().code(), v1::CODE_UNAVAILABLE);
+  const v1::Error error = Await(v1::Envelope::kTaskFinished).task_finished().error();
+  EXPECT_EQ(error.code(), v1::CODE_LEASE_EXPIRED);  // nobody's failure
+  EXPECT_THAT(error.message(), testing::HasSubstr("never told of this run of the job"));
 }
 
 TEST_F(WorkerServiceTest, AnswersAStaleGrantWithLeaseExpired) {

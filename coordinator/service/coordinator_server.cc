@@ -1,0 +1,80 @@
+#include "coordinator/service/coordinator_server.h"
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include "common/log/log.h"
+#include "common/transport/endpoint.h"
+#include "common/transport/farm_keys.h"
+#include "common/wire/envelope.h"
+
+namespace depthfarm {
+namespace {
+
+constexpr std::chrono::milliseconds kTick{50};
+constexpr int kMessagesPerTick = 1000;  // a flood must not keep leases from expiring
+
+}  // namespace
+
+Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Create(const CoordinatorOptions& options) {
+  DEPTHFARM_RETURN_IF_ERROR(options.Validate());
+  DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint endpoint, ParseEndpoint(options.endpoint));
+  DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(endpoint, !options.keys_dir.empty(), options.insecure));
+  // Leases of an earlier coordinator may still be named by its workers: begin far from them.
+  const std::uint64_t first_lease = (std::uint64_t{std::random_device{}() & 0x7fffffffU} << 24U) + 1;
+  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal,
+                             Journal::Open(options.journal, {.kept_jobs = options.kept_jobs}));
+  std::unique_ptr<CoordinatorServer> server(new CoordinatorServer);
+  server->secure_ = !options.keys_dir.empty();
+  server->coordinator_ = std::make_unique<Coordinator>(options, first_lease, std::move(journal), server->secure_);
+  ServerOptions channel;
+  if (server->secure_) {
+    DEPTHFARM_ASSIGN_OR_RETURN(CoordinatorKeys keys, ReadCoordinatorKeys(options.keys_dir));
+    DEPTHFARM_RETURN_IF_ERROR(server->context_.Authenticate(std::move(keys.allowed)));
+    channel.curve_secret_key = keys.own.secret_key;
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(server->channel_, ServerChannel::Bind(server->context_, options.endpoint, channel));
+  DEPTHFARM_RETURN_IF_ERROR(server->coordinator_->Restore(std::chrono::steady_clock::now()));
+  return server;
+}
+
+void CoordinatorServer::Stop() {
+  stop_.store(true);
+  poller_.Wake();
+}
+
+Status CoordinatorServer::Run() {
+  LogInfo("coordinator_started", {{"endpoint", endpoint()}, {"secure", secure_}});
+  const std::array<const Channel*, 1> channels = {channel_.get()};
+  const auto stopping = [this] { return stop_.load() || coordinator_->asked_to_stop(); };
+  while (!stopping()) {
+    DEPTHFARM_RETURN_IF_ERROR(poller_.Wait(channels, kTick));
+    for (int i = 0; i < kMessagesPerTick && !stopping(); ++i) {
+      DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<PeerMessage> message, channel_->Receive());
+      if (!message) break;
+      coordinator_->Handle(*message, std::chrono::steady_clock::now());
+      SendOutgoing();
+    }
+    coordinator_->Tick(std::chrono::steady_clock::now());
+    SendOutgoing();
+  }
+  coordinator_->SayGoodbye();
+  SendOutgoing();
+  LogInfo("coordinator_stopped",
+          {{"workers", coordinator_->scheduler().Workers().size()}, {"jobs", coordinator_->scheduler().Jobs().size()}});
+  return {};
+}
+
+void CoordinatorServer::SendOutgoing() {
+  for (OutgoingMessage& message : coordinator_->TakeOutgoing()) {
+    const std::string name = BodyName(message.envelope);
+    const Status sent = channel_->Send(message.peer, SerializeEnvelope(std::move(message.envelope)));
+    // Leases and requests time out; whoever is gone says hello or asks again.
+    if (!sent.ok()) LogDebug("message_not_sent", {{"message", name}, {"reason", sent.message()}});
+  }
+}
+
+}  // namespace depthfarm

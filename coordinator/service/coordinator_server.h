@@ -1,0 +1,44 @@
+#ifndef DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_SERVER_H_
+#define DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_SERVER_H_
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "common/base/status.h"
+#include "common/transport/context.h"
+#include "common/transport/poller.h"
+#include "common/transport/server_channel.h"
+#include "coordinator/service/coordinator.h"
+
+namespace depthfarm {
+
+// The daemon: one socket, one thread, a Coordinator.
+class CoordinatorServer {
+ public:
+  // Reads keys, opens the journal, goes on with the jobs in it, and binds. Errors: kInvalidArgument (options, keys,
+  // security), kUnavailable (address or journal in use), those of Journal::Open.
+  [[nodiscard]] static Result<std::unique_ptr<CoordinatorServer>> Create(const CoordinatorOptions& options);
+
+  // Where it listens in fact.
+  [[nodiscard]] const std::string& endpoint() const { return channel_->endpoint(); }
+  // Serves until Stop or a client's StopCoordinator; then tells the workers to stop.
+  [[nodiscard]] Status Run();
+  // Ends Run soon. From any thread, and from signal handlers.
+  void Stop();
+
+ private:
+  CoordinatorServer() = default;
+  void SendOutgoing();
+
+  bool secure_ = false;
+  TransportContext context_;
+  std::unique_ptr<ServerChannel> channel_;
+  Poller poller_;
+  std::atomic<bool> stop_{false};
+  std::unique_ptr<Coordinator> coordinator_;
+};
+
+}  // namespace depthfarm
+
+#endif  // DEPTHFARM_COORDINATOR_SERVICE_COORDINATOR_SERVER_H_
