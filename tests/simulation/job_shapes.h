@@ -1,0 +1,27 @@
+#ifndef DEPTHFARM_TESTS_SIMULATION_JOB_SHAPES_H_
+#define DEPTHFARM_TESTS_SIMULATION_JOB_SHAPES_H_
+
+#include <string>
+
+#include "common/wire/envelope.h"
+
+namespace depthfarm::simulation {
+
+// What a simulated job is like, apart from its folder.
+struct JobKind {
+  int shape = 0;         // 0 to kNumShapes - 1: frames, GOPs, blocks, rounds
+  std::string pictures;  // equal names: equal pictures
+  bool keeps_results = false;
+  std::string sequence = "line";  // "poison": kills who estimates; "unreadable": has a picture that is none
+
+  auto operator<=>(const JobKind&) const = default;
+};
+
+inline constexpr int kNumShapes = 7;
+
+// The message that submits one. Without an output folder for a job that keeps its results.
+[[nodiscard]] v1::SubmitJob Submission(const JobKind& kind, const std::string& name, const std::string& output_dir);
+
+}  // namespace depthfarm::simulation
+
+#endif  // DEPTHFARM_TESTS_SIMULATION_JOB_SHAPES_H_

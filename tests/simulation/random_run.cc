@@ -1,0 +1,62 @@
+#include "tests/simulation/random_run.h"
+
+#include <filesystem>
+#include <utility>
+
+namespace depthfarm::simulation {
+namespace {
+
+// The first worker takes every job; others lack a tag, or room.
+std::vector<WorkerShape> Workers(test::Random& random) {
+  std::vector<WorkerShape> workers{{.slots = random.Int(1, 3), .ahead = random.Int(0, 2), .tags = {"ssd"}}};
+  for (int more = random.Int(0, 5); more > 0; --more) {
+    WorkerShape worker{.slots = random.Int(1, 3), .ahead = random.Int(0, 2)};
+    if (random.Chance(30)) worker.store_bound = static_cast<std::size_t>(random.Int(10, 40));
+    if (random.Chance(50)) worker.tags = {"ssd"};
+    workers.push_back(std::move(worker));
+  }
+  return workers;
+}
+
+Wish AnyWish(test::Random& random, bool patient) {
+  Wish wish;
+  wish.kind.shape = random.Int(0, kNumShapes - 1);
+  wish.kind.pictures = random.Chance(50) ? "a" : "b";
+  wish.kind.keeps_results = random.Chance(25);
+  if (!patient && random.Chance(6)) wish.kind.sequence = "poison";
+  if (random.Chance(4)) wish.kind.sequence = "unreadable";
+  if (wish.kind.sequence != "line") wish.kind.pictures = wish.kind.sequence;  // nobody else has made anything of them
+  wish.priority = random.Int(0, 1);
+  if (random.Chance(25)) wish.tags = {"ssd"};
+  if (random.Chance(20)) wish.cancel_after = Milliseconds(random.Int(0, 60'000));
+  wish.retries = random.Chance(50);
+  return wish;
+}
+
+}  // namespace
+
+RunResult RunSeed(std::uint64_t seed, const std::string& scratch, bool narrates) {
+  test::Random random(seed);
+  const bool patient = random.Chance(50);
+  SimulatedFarm::Options options;
+  options.scratch = scratch;
+  options.narrates = narrates;
+  options.coordinator.max_attempts = patient ? 100 : random.Int(2, 6);
+  options.workers = Workers(random);
+  options.faults = PlanFaults(random);
+  SimulatedFarm farm(random.Next(), options);
+  const int submitters = random.Int(1, 4);
+  for (int i = 1; i <= submitters; ++i) {
+    std::vector<Wish> wishes;
+    for (int jobs = random.Int(1, 3); jobs > 0; --jobs) wishes.push_back(AnyWish(random, patient));
+    farm.AddSubmitter("s" + std::to_string(i), std::move(wishes), Milliseconds(random.Int(0, 20'000)));
+  }
+  farm.Run();
+  for (const auto& [name, submitter] : farm.submitters()) std::filesystem::remove_all(submitter->folder());
+  RunResult result{{}, farm.trace(), farm.tally()};
+  for (const std::string& problem : farm.problems())
+    result.problems.push_back("seed " + std::to_string(seed) + ": " + problem);
+  return result;
+}
+
+}  // namespace depthfarm::simulation
