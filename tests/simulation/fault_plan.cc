@@ -12,6 +12,7 @@ Milliseconds Pause(test::Random& random, int percent) {
 FaultPlan PlanFaults(test::Random& random) {
   FaultPlan plan;
   plan.chaos = Milliseconds(1000 * random.Int(20, 150));
+  plan.task_length = random.Chance(50) ? 1 : random.Int(2, 8);  // a few seconds, or more than a lease
   plan.network.longest_delay = Milliseconds(random.Chance(25) ? random.Int(100, 8000) : random.Int(1, 100));
   if (random.Chance(40)) plan.network.lost_percent = random.Int(1, 20);
   if (random.Chance(40)) plan.network.doubled_percent = random.Int(1, 20);

@@ -10,6 +10,7 @@ namespace depthfarm::simulation {
 // What goes wrong in one run. Pauses are means; 0: it does not happen.
 struct FaultPlan {
   Milliseconds chaos{0};  // after that long nothing new goes wrong
+  int task_length = 1;    // times the usual one
   NetworkFaults network;
   TaskFaults tasks;
   Milliseconds crashes{0};              // of a worker, which is started again later

@@ -19,7 +19,7 @@ struct Shape {
   Anchor anchor;
 };
 
-constexpr std::array<Shape, kNumShapes> kShapes{{
+constexpr std::array<Shape, kNumShapes + 1> kShapes{{
     {2, 1, 1, 1, 0, false, Anchor::kGop},
     {2, 4, 2, 2, 0, false, Anchor::kGop},
     {3, 3, 1, 3, 1, false, Anchor::kGop},
@@ -27,6 +27,7 @@ constexpr std::array<Shape, kNumShapes> kShapes{{
     {2, 6, 2, 1, 1, false, Anchor::kShared},
     {3, 2, 2, 5, 2, true, Anchor::kGop},
     {2, 5, 0, 2, 0, false, Anchor::kGop},
+    {2, 40, 4, 1, 0, false, Anchor::kGop},
 }};
 
 // Cameras side by side.

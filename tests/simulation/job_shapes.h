@@ -18,6 +18,7 @@ struct JobKind {
 };
 
 inline constexpr int kNumShapes = 7;
+inline constexpr int kLongShape = 7;  // beside these: 40 frames
 
 // The message that submits one. Without an output folder for a job that keeps its results.
 [[nodiscard]] v1::SubmitJob Submission(const JobKind& kind, const std::string& name, const std::string& output_dir);

@@ -19,6 +19,7 @@ struct Arguments {
   std::uint64_t seeds = 1000;
   std::uint64_t attempts = 0;
   std::string log = "off";
+  bool until_failure = false;
   bool traces = false;
   bool narrates = false;
 };
@@ -63,6 +64,7 @@ int Run(const Arguments& arguments) {
     }
     failed += result.problems.empty() ? 0 : 1;
     std::fflush(stdout);
+    if (arguments.until_failure && failed > 0) break;
   }
   Print(tally);
   std::printf("seeds that failed     %d\n", failed);
@@ -79,12 +81,13 @@ int main(int argc, char** argv) {
   app.add_option("--seeds", arguments.seeds, "how many seeds")->capture_default_str();
   app.add_option("--attempts", arguments.attempts, "instead: seeds until so many attempts of tasks were simulated");
   app.add_option("--log-level", arguments.log, "of the coordinator, to stderr")->capture_default_str();
+  app.add_flag("--until-failure", arguments.until_failure, "end with the first seed that fails; well if there is one");
   app.add_flag("--traces", arguments.traces, "also a digest of all that was sent, for each seed");
   app.add_flag("--narrate", arguments.narrates, "also every message and fault, to stderr");
   CLI11_PARSE(app, argc, argv);
   if (!depthfarm::SetLogLevel(arguments.log).ok()) return 2;
   try {
-    return Run(arguments) == 0 ? 0 : 1;
+    return (Run(arguments) > 0) == arguments.until_failure ? 0 : 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "depthfarm-simulation: %s\n", error.what());
     return 1;

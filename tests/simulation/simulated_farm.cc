@@ -343,6 +343,7 @@ void SimulatedFarm::OnEnd(const Submitter& submitter, const JobEnd& end) {
   if (status.state() == v1::JOB_STATE_DONE) {
     ++tally_.jobs_done;
     if (status.frames_done() != status.frames_total()) Problem(name + ": is done without all of its frames");
+    if (end.cancelled && !end.retried) Problem(name + ": was cancelled, and is done");
     if (end.wish.kind.sequence != "line") Problem(name + ": can't be done, and is");
   } else {
     ++tally_.jobs_ended_otherwise;
@@ -380,7 +381,8 @@ void SimulatedFarm::CheckFolder(const Submitter& submitter, const JobEnd& end, b
   std::set<std::string> files;
   for (const auto& [path, bytes] : content) {
     // A Cleanup that no worker could do in time is not waited for.
-    if (path.starts_with(".depthfarm-staging/") && last_look && !ended_in_chaos_.contains(end.id))
+    if (path.starts_with(".depthfarm-staging/") && last_look &&
+        (!ended_in_chaos_.contains(end.id) || cleaned_up_.contains(end.id)))
       Problem(name + ": " + path + " was left behind");
     if (!path.starts_with(".")) files.insert(path);
   }
@@ -461,6 +463,8 @@ void SimulatedFarm::CheckAttempts() {
         if (attempt.outcome() == v1::ATTEMPT_OUTCOME_RUNNING) Problem(TaskName(task) + ": is never over");
         if (static_cast<int>(attempt.attempt()) > options_.coordinator.max_attempts)
           Problem(TaskName(task) + ": was tried too often");
+        if (task.kind == TaskKind::kCleanup && attempt.outcome() == v1::ATTEMPT_OUTCOME_DONE)
+          cleaned_up_.insert(job.job_id());
         const bool once = task.kind == TaskKind::kCommit || task.kind == TaskKind::kManifest;
         if (attempt.outcome() != v1::ATTEMPT_OUTCOME_DONE || !once) continue;
         if (!committed.emplace(static_cast<int>(task.kind), task.frame).second)

@@ -119,6 +119,7 @@ class SimulatedFarm {
   std::map<std::string, std::unique_ptr<Submitter>> submitters_;
   std::map<JobId, TimePoint> first_tasks_;
   std::set<std::uint64_t> ended_in_chaos_;  // jobs
+  std::set<std::uint64_t> cleaned_up_;      // jobs whose Cleanup was done
   std::vector<std::string> problems_;
   std::uint64_t trace_ = 0;
   Tally tally_;

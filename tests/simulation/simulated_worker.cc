@@ -291,7 +291,7 @@ void SimulatedWorker::FetchInputs(LeaseId lease) {
     After(Slowly(100, 2000), Thread::kCompute, [this, lease, outcome] { EndTask(lease, outcome); });
     return;
   }
-  const int usual = NeedsFolder(task->spec.id.kind) ? 100 : 2000;
+  const int usual = NeedsFolder(task->spec.id.kind) ? 100 : 2000 * shape_.task_length;
   After(Slowly(usual / 10, usual), Thread::kCompute, [this, lease] { Compute(lease); });
 }
 
@@ -306,7 +306,7 @@ void SimulatedWorker::Compute(LeaseId lease) {
     return;
   }
   if (id.kind == TaskKind::kEmit && !task->config->keeps_results) (void)StageFiles(*task, 1);
-  After(Slowly(10, 1000), Thread::kCompute, [this, lease] { FinishTask(lease); });
+  After(Slowly(10, 1000 * shape_.task_length), Thread::kCompute, [this, lease] { FinishTask(lease); });
 }
 
 void SimulatedWorker::FinishTask(LeaseId lease) {

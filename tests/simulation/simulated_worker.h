@@ -29,6 +29,7 @@ struct WorkerShape {
   int slots = 1;
   int ahead = 0;
   std::size_t store_bound = 200;  // artifacts
+  int task_length = 1;            // times the usual one
   std::vector<std::string> tags = {};
 };
 

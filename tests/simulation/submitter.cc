@@ -75,7 +75,10 @@ void Submitter::Receive(const std::string& payload) {
   } else if (answer.has_job_status()) {
     OnStatus(answer.job_status());
     if (done()) return;
-  } else if (step_ != Step::kFind) {  // cancelled, or there is nothing to cancel or retry
+  } else if (answer.has_done()) {
+    cancelled_ = true;
+    step_ = Step::kWatch;
+  } else if (step_ != Step::kFind) {  // there is nothing to cancel or retry
     step_ = Step::kWatch;
   }  // else the submission was refused: maybe since an earlier one of it was admitted
   AskAfter(step_ == Step::kWatch ? kPoll : Milliseconds(500));
@@ -101,11 +104,11 @@ void Submitter::OnStatus(const v1::JobStatus& status) {
     step_ = Step::kRetry;
     return;
   }
-  JobEnd end{wish(), job_, retried_, status};
+  JobEnd end{wish(), job_, retried_, cancelled_, status};
   on_end_(end);
   ends_.push_back(std::move(end));
   step_ = Step::kSubmit;
-  retried_ = false;
+  retried_ = cancelled_ = false;
 }
 
 }  // namespace depthfarm::simulation

@@ -29,6 +29,7 @@ struct JobEnd {
   Wish wish;
   std::uint64_t id = 0;
   bool retried = false;
+  bool cancelled = false;  // the coordinator said that it will be
   v1::JobStatus status;
 };
 
@@ -68,6 +69,7 @@ class Submitter {
   std::uint64_t job_ = 0;
   std::optional<TimePoint> cancel_at_;
   bool retried_ = false;
+  bool cancelled_ = false;
 };
 
 }  // namespace depthfarm::simulation

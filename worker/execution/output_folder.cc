@@ -78,7 +78,8 @@ std::vector<fs::path> OutputFolder::Folders() const {
 Result<OutputFolder::Owner> OutputFolder::ReadMarker() const {
   if (!Exists(Marker())) return Owner::kNobody;
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string text, ReadFileBytes(Marker().string(), kMaxMarkerBytes));
-  if (text == MarkerText(claim_.run, true)) return Owner::kOurs;
+  // Of a coordinator that does not tell runs apart nobody knows which one it was made ready for.
+  if (text == MarkerText(claim_.run, true)) return claim_.run == 0 ? Owner::kOursUnready : Owner::kOurs;
   return text == MarkerText(claim_.run, false) ? Owner::kOursUnready : Owner::kOther;
 }
 

@@ -21,7 +21,7 @@ enum class OutputContent {
 
 // Who writes: a run of a job, in the person of a worker that has a lease of one of its tasks.
 struct FolderClaim {
-  std::uint64_t run = 0;  // JobConfig::claim
+  std::uint64_t run = 0;  // JobConfig::claim; 0: of a coordinator that does not tell runs apart
   StillLeased still_leased = {};
 };
 
