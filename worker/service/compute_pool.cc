@@ -33,14 +33,35 @@ void ComputePool::Stop(LeaseId lease) {
   bool ended = false;
   {
     const std::scoped_lock lock(mutex_);
-    const auto entry = std::ranges::find(entries_, lease, [](const Entry& each) { return each.task.lease; });
+    const auto entry = Find(lease);
     if (entry == entries_.end()) return;
-    entry->stop.request_stop();
-    // Nobody has it in hand: it need not wait for a slot to end.
-    ended = entry->stage == Stage::kWaiting || entry->stage == Stage::kFetched;
-    if (ended) EndStopped(entry);
+    ended = StopEntry(entry);
   }
   if (ended) on_done_();
+}
+
+bool ComputePool::GiveBack(LeaseId lease) {
+  bool ended = false;
+  {
+    const std::scoped_lock lock(mutex_);
+    const auto entry = Find(lease);
+    if (entry == entries_.end() || entry->stage == Stage::kComputing) return false;
+    ended = StopEntry(entry);
+  }
+  if (ended) on_done_();
+  return true;
+}
+
+ComputePool::Entries::iterator ComputePool::Find(LeaseId lease) {
+  return std::ranges::find(entries_, lease, [](const Entry& each) { return each.task.lease; });
+}
+
+bool ComputePool::StopEntry(Entries::iterator entry) {
+  entry->stop.request_stop();
+  // Nobody has it in hand: it need not wait for a slot to end.
+  if (entry->stage != Stage::kWaiting && entry->stage != Stage::kFetched) return false;
+  EndStopped(entry);
+  return true;
 }
 
 std::optional<LeasedOutcome> ComputePool::TakeOutcome() {
@@ -124,6 +145,7 @@ void ComputePool::FetchInputs() {
     }
     EndStopped(entry);
     lock.unlock();
+    changed_.notify_all();  // a slot may have waited for it, and can have the one behind it
     on_done_();
     lock.lock();
   }

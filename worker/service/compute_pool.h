@@ -52,6 +52,8 @@ class ComputePool {
   void Start(LeasedTask task);
   // Asks a task to stop; its outcome comes all the same. Nothing if there is no such task.
   void Stop(LeaseId lease);
+  // Ends a task that no slot has begun, kCancelled; its outcome comes all the same. False, and nothing, for others.
+  [[nodiscard]] bool GiveBack(LeaseId lease);
   // In the order in which the tasks ended.
   [[nodiscard]] std::optional<LeasedOutcome> TakeOutcome();
   // Whether a task was started whose outcome was not taken yet.
@@ -71,6 +73,9 @@ class ComputePool {
   void Compute(int slot);
   void FetchInputs();
   // The functions below require the mutex.
+  [[nodiscard]] Entries::iterator Find(LeaseId lease);
+  // Ends the task, or has whoever has it in hand end it. True if its outcome is there.
+  [[nodiscard]] bool StopEntry(Entries::iterator entry);
   [[nodiscard]] Entries::iterator NextToCompute();
   [[nodiscard]] Entries::iterator NextToFetch();
   void End(Entries::iterator entry, TaskOutcome outcome);

@@ -212,6 +212,11 @@ void WorkerService::OnMessage(const v1::Envelope& message) {
     case v1::Envelope::kRevokeLease:
       Handle(event::Revoked{LeaseId(message.revoke_lease().lease_id())});
       return;
+    case v1::Envelope::kGiveBackTask: {
+      const LeaseId lease(message.give_back_task().lease_id());
+      LogInfo("task_asked_back", {{"lease", lease.value()}, {"begun", !compute_->GiveBack(lease)}});
+      return;
+    }
     case v1::Envelope::kReleaseArtifacts: {
       const Result<std::vector<ArtifactKey>> keys = KeysOf(message.release_artifacts());
       if (keys.ok()) {

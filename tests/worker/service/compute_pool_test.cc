@@ -20,10 +20,18 @@ class ComputePoolTest : public testing::Test {
     pool_ = std::make_unique<ComputePool>(
         slots,
         [this](int slot, const LeasedTask& task, const std::stop_token& stop) { return Run(slot, task.spec, stop); },
-        [this](const TaskSpec& spec, const std::stop_token&, const std::stop_token& enough) {
+        [this](const TaskSpec& spec, const std::stop_token& stop, const std::stop_token& enough) {
           Note("fetch " + std::to_string(spec.id.frame));
           std::unique_lock lock(mutex_);
           const std::stop_callback woken(enough, [this] { changed_.notify_all(); });
+          const std::stop_callback stopped(stop, [this] { changed_.notify_all(); });
+          if (fetches_stop_alone_) {
+            changed_.wait(lock, [&] { return enough.stop_requested(); });
+            lock.unlock();
+            Note("enough " + std::to_string(spec.id.frame));
+            lock.lock();
+            changed_.wait(lock, [&] { return stop.stop_requested(); });
+          }
           changed_.wait(lock, [&] { return !fetches_wait_ || enough.stop_requested(); });
           return FetchedAhead{.bytes = 7, .pins = {}};
         },
@@ -71,6 +79,7 @@ class ComputePoolTest : public testing::Test {
   std::condition_variable changed_;
   std::set<int> free_;
   bool fetches_wait_ = false;
+  bool fetches_stop_alone_ = false;  // they are slow to see that a slot waits for them
   std::vector<std::string> notes_;
   std::array<std::atomic<int>, 4> running_in_{};
   std::counting_semaphore<> outcomes_{0};
@@ -160,6 +169,45 @@ TEST_F(ComputePoolTest, ATaskThatWaitsEndsAtOnceWhenItIsStopped) {
   Free(2);
   EXPECT_EQ(NextOutcome().lease, LeaseId(1));
   EXPECT_EQ(NextOutcome().lease, LeaseId(2));
+}
+
+TEST_F(ComputePoolTest, GivesBackWhatNoSlotHasBegun) {
+  Open(1);
+  Start(1);
+  (void)AwaitNotes(1);
+  Start(2);
+  (void)AwaitNotes(2);
+  Start(3);
+  (void)AwaitNotes(3);
+  EXPECT_FALSE(pool_->GiveBack(LeaseId(1))) << "it runs";
+  EXPECT_FALSE(pool_->GiveBack(LeaseId(9))) << "nobody's";
+  EXPECT_TRUE(pool_->GiveBack(LeaseId(2)));
+  const LeasedOutcome given_back = NextOutcome();
+  EXPECT_EQ(given_back.lease, LeaseId(2));
+  EXPECT_EQ(given_back.outcome.status.code(), ErrorCode::kCancelled);
+  EXPECT_FALSE(pool_->GiveBack(LeaseId(2))) << "it is over";
+  Free(1);
+  Free(3);
+  EXPECT_TRUE(NextOutcome().outcome.status.ok());
+  EXPECT_EQ(NextOutcome().lease, LeaseId(3));
+  EXPECT_THAT(AwaitNotes(4), ElementsAre("run 1", "fetch 2", "fetch 3", "run 3"));
+}
+
+TEST_F(ComputePoolTest, ASlotThatWaitedForWhatIsGivenBackTakesTheNext) {
+  fetches_stop_alone_ = true;
+  Open(1);
+  Start(1);
+  (void)AwaitNotes(1);
+  Start(2);
+  (void)AwaitNotes(2);
+  Start(3);
+  Free(1);
+  EXPECT_EQ(NextOutcome().lease, LeaseId(1));
+  EXPECT_EQ(AwaitNotes(3).back(), "enough 2");  // the slot waits by now
+  EXPECT_TRUE(pool_->GiveBack(LeaseId(2)));
+  EXPECT_EQ(NextOutcome().outcome.status.code(), ErrorCode::kCancelled);
+  Free(3);
+  EXPECT_EQ(NextOutcome().lease, LeaseId(3));
 }
 
 TEST_F(ComputePoolTest, EndsWithTasksUnderWay) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "common/digest/sha256.h"
 #include "common/transport/server_channel.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
@@ -149,6 +150,36 @@ TEST_F(WorkerServiceTest, AnswersAStaleGrantWithLeaseExpired) {
   ask_ += 100;
   Grant(11, job_.Analyse(0, 0), true);
   EXPECT_EQ(Await(v1::Envelope::kTaskFinished).task_finished().error().code(), v1::CODE_LEASE_EXPIRED);
+}
+
+TEST_F(WorkerServiceTest, GivesBackATaskThatHasNotBegunAndNoOther) {
+  Welcome();
+  // Its picture is at a server that does not answer: the slot is busy with it for longer than this test.
+  const auto pictures = ServerChannel::Bind(context_, "ipc://" + (folder_.path() / "pictures").string(), {}).value();
+  TaskSpec first = job_.Analyse(0, 0);
+  first.uploads.emplace();
+  first.uploads->files.picture = {Sha256("the picture"), 11};
+  first.uploads->from.endpoint = pictures->endpoint();
+  Grant(11, first, true);
+  const Channel* const channels[] = {pictures.get()};
+  const Result<std::optional<PeerMessage>> request = [&] {
+    EXPECT_TRUE(poller_.Wait(channels, kPatience).ok());
+    return pictures->Receive();
+  }();
+  ASSERT_TRUE(request.ok() && request->has_value()) << "the task has begun";
+  Await(v1::Envelope::kAskForTask);
+  Grant(12, job_.Analyse(0, 1), false);
+  for (const std::uint64_t lease : {11, 12}) {
+    v1::Envelope give_back;
+    give_back.mutable_give_back_task()->set_lease_id(lease);
+    Send(give_back);
+  }
+  const v1::TaskFinished given_back = Await(v1::Envelope::kTaskFinished).task_finished();
+  EXPECT_EQ(given_back.lease_id(), 12);
+  EXPECT_EQ(given_back.error().code(), v1::CODE_CANCELLED);
+  const v1::AskForTask ask = Await(v1::Envelope::kAskForTask).ask_for_task();
+  EXPECT_THAT(ask.running_leases(), testing::ElementsAre(11)) << "that one goes on";
+  StopWorker();
 }
 
 TEST_F(WorkerServiceTest, EndsWithAnErrorWhenItsVersionIsRefused) {
