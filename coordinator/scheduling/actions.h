@@ -35,6 +35,12 @@ struct Revoke {
   WorkerId worker;
   LeaseId lease;
 };
+// Ask the worker for a task that waits behind its slots: it gives the task back (TaskFailed, kCancelled) unless it has
+// begun it.
+struct AskBack {
+  WorkerId worker;
+  LeaseId lease;
+};
 struct Release {
   WorkerId worker;
   std::vector<ArtifactKey> keys;
@@ -99,8 +105,8 @@ struct Note {
   std::vector<std::pair<std::string, std::string>> fields;
 };
 
-using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, Release, Keep, ForgetJob, FrameCommitted, FrameLost,
-                            JobEnded, AttemptEnded, WorkerLost, EndWorker, Note>;
+using Action = std::variant<Grant, AcknowledgeHeartbeat, Revoke, AskBack, Release, Keep, ForgetJob, FrameCommitted,
+                            FrameLost, JobEnded, AttemptEnded, WorkerLost, EndWorker, Note>;
 
 }  // namespace depthfarm
 

@@ -170,7 +170,8 @@ void Scheduler::On(const TaskFailed& event) {
   AddEnd(event.lease, event.task, given_back ? AttemptOutcome::kGivenBack : AttemptOutcome::kFailed, event.error);
   JobRecord* job = FindJob(event.task.job);
   if (job == nullptr || job->progress->Find(event.task) == nullptr) return;
-  AddNote(Note::Severity::kWarning, "task_failed",
+  const bool asked_back = given_back && lease->asked_back_for.has_value();
+  AddNote(asked_back ? Note::Severity::kInfo : Note::Severity::kWarning, asked_back ? "task_given_back" : "task_failed",
           {{"task", TaskName(event.task)},
            {"lease", Number(event.lease.value())},
            {"worker", worker->name},

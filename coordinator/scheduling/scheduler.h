@@ -150,6 +150,11 @@ class Scheduler {
   [[nodiscard]] bool AssignAmong(JobRecord& job, const ReadyRange& tasks, const std::vector<WorkerId>& takers,
                                  bool hold, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
+  // scheduler_rebalance.cc: asks back what waits behind the slots of others, for workers that found nothing ready.
+  void Rebalance(std::vector<WorkerId> idle_workers);
+  [[nodiscard]] std::vector<LeaseId> LeasesToAskBack() const;
+  // True if there is one of the idle workers for the task, who then is no longer among them.
+  [[nodiscard]] bool AskBackFor(LeaseId lease, std::vector<WorkerId>& idle_workers);
   void EndJob(JobId id, JobState state);
   // Workers with such room, longest waiting first.
   [[nodiscard]] std::vector<WorkerId> WorkersWith(WorkerTable::Room room) const;

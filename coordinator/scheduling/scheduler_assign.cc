@@ -26,6 +26,7 @@ void Scheduler::Assign() {
   std::vector<WorkerId> free_workers = WorkersWith(WorkerTable::Room::kSlot);
   while (!free_workers.empty() && AssignNext(free_workers)) {
   }
+  if (!free_workers.empty()) Rebalance(std::move(free_workers));
   // Ahead only while enough is left for whoever is free next: a task that waits behind another one would end later than
   // on a worker that idles meanwhile.
   std::vector<WorkerId> fetching = WorkersWith(WorkerTable::Room::kAhead);

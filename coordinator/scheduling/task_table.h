@@ -21,6 +21,7 @@ struct Task {
   int failures = 0;                         // attempts that failed or were lost with their worker
   int setbacks = 0;                         // times that inputs or the own artifact were lost
   int consumers = 0;                        // tasks that need this one and are not done
+  int asked_back = 0;                       // the attempt for which a worker was asked to give it back; 0: none
   LeaseId lease;                            // of a leased task
   std::string staging;                      // of a leased Emit: the folder it writes into
   std::optional<ArtifactKey> work;          // JobProgress::WorkOf, of a task that became ready

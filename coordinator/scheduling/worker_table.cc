@@ -86,6 +86,18 @@ int WorkerTable::LeasesOf(JobId job) const {
   return count == leases_of_.end() ? 0 : count->second;
 }
 
+std::vector<LeaseId> WorkerTable::BehindSlots(const Worker& worker) const {
+  std::vector<LeaseId> behind;
+  if (static_cast<int>(worker.leases.size()) - worker.revoked <= worker.slots) return behind;
+  int before = 0;
+  for (const LeaseId id : worker.leases) {
+    if (leases_.at(id).revoked) continue;
+    if (before >= worker.slots) behind.push_back(id);
+    ++before;
+  }
+  return behind;
+}
+
 WorkerTable::Room WorkerTable::RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const {
   if (worker.draining || !worker.ask || now - worker.ask->received >= max_age) return Room::kNone;
   const int tasks = static_cast<int>(worker.leases.size()) - worker.revoked;

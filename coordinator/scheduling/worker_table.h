@@ -57,6 +57,7 @@ struct Lease {
   std::optional<ArtifactKey> work;                                  // JobProgress::WorkOf
   std::uint64_t memory_bytes = 0;                                   // that the task is expected to take
   bool revoked = false;  // its result is not wanted; it counts until the worker is known to have stopped
+  std::optional<WorkerId> asked_back_for = {};  // the free worker that the task was asked back for
 };
 
 // Workers and their leases, kept consistent with each other.
@@ -80,6 +81,9 @@ class WorkerTable {
   void EndLease(LeaseId id);
   // How many leases of the job there are, with those that were revoked and did not end yet.
   [[nodiscard]] int LeasesOf(JobId job) const;
+  // The worker's leases whose tasks it can't have begun, as far as is known here: it begins them in the order of their
+  // leases, and these have as many before them as it has slots. Revoked ones do not count.
+  [[nodiscard]] std::vector<LeaseId> BehindSlots(const Worker& worker) const;
 
   // What a worker that asked less than `max_age` ago has room for.
   enum class Room {

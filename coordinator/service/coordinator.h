@@ -97,6 +97,7 @@ class Coordinator {
   void Do(const Grant& action);
   void Do(const AcknowledgeHeartbeat& action);
   void Do(const Revoke& action);
+  void Do(const AskBack& action);
   void Do(const Release& action);
   void Do(const Keep& action);
   void Do(const ForgetJob& action);

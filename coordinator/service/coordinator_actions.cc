@@ -57,6 +57,12 @@ void Coordinator::Do(const Revoke& action) {
   SendTo(action.worker, std::move(envelope));
 }
 
+void Coordinator::Do(const AskBack& action) {
+  v1::Envelope envelope;
+  envelope.mutable_give_back_task()->set_lease_id(action.lease.value());
+  SendTo(action.worker, envelope);
+}
+
 void Coordinator::Do(const Release& action) {
   v1::Envelope envelope;
   for (const ArtifactKey& key : action.keys) envelope.mutable_release_artifacts()->add_keys(DigestBytes(key));

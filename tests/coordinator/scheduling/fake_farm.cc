@@ -21,6 +21,7 @@ void FakeFarm::Submit(const PlannedJob& job, int priority, const std::set<std::s
 
 void FakeFarm::Send(const Event& event) {
   Apply(scheduler.Handle(event, now));
+  if (!answers_late) AnswerAskedBack();
   while (!to_ask_.empty()) {
     const std::vector<WorkerId> asking = std::exchange(to_ask_, {});
     for (const WorkerId id : asking) {
@@ -129,9 +130,32 @@ TaskFinished FakeFarm::ResultOf(FakeWorker& worker, const Grant& grant) {
   return result;
 }
 
-void FakeFarm::Finish(WorkerId worker) {
+void FakeFarm::AnswerAskedBack() {
+  BeginTasks();
+  for (const AskBack& ask : std::exchange(to_answer_, {})) {
+    const auto worker = workers.find(ask.worker);
+    if (worker == workers.end() || !worker->second.alive || begun.contains(ask.lease)) continue;
+    const auto running = worker->second.running.find(ask.lease);
+    if (running == worker->second.running.end()) continue;
+    const TaskId task = running->second.task.spec.id;
+    worker->second.running.erase(running);
+    Send(TaskFailed{ask.worker, ask.lease, task, Cancelled(), {}});
+    Ask(ask.worker);
+  }
+}
+
+void FakeFarm::BeginTasks() {
+  for (const auto& [id, worker] : workers) {
+    int slots = worker.slots;
+    for (const auto& [lease, grant] : worker.running) {
+      if (slots-- > 0) begun.insert(lease);
+    }
+  }
+}
+
+void FakeFarm::Finish(WorkerId worker, LeaseId lease) {
   FakeWorker& fake = At(worker);
-  const Grant grant = fake.running.begin()->second;
+  const Grant grant = fake.running.at(lease);
   fake.running.erase(grant.lease);
   const std::vector<ArtifactKey> missing = MissingInputs(fake, grant);
   if (missing.empty()) {
@@ -193,6 +217,7 @@ int FakeFarm::CountGrants(TaskKind kind, int frame) const {
 
 void FakeFarm::Apply(const std::vector<Action>& actions) {
   for (const Action& action : actions) std::visit([this](const auto& typed) { Apply(typed); }, action);
+  BeginTasks();
 }
 
 void FakeFarm::Apply(const Grant& grant) {
@@ -215,6 +240,11 @@ void FakeFarm::Apply(const Revoke& revoke) {
   revokes.push_back(revoke);
   const auto worker = workers.find(revoke.worker);
   if (worker != workers.end() && worker->second.alive) worker->second.running.erase(revoke.lease);
+}
+
+void FakeFarm::Apply(const AskBack& ask) {
+  asked_back.push_back(ask);
+  to_answer_.push_back(ask);
 }
 
 void FakeFarm::Apply(const AttemptEnded& end) {

@@ -46,12 +46,15 @@ class FakeFarm {
   void Kill(WorkerId worker) { At(worker).alive = false; }
   void Leave(WorkerId worker);
   void Drop(WorkerId worker, const ArtifactKey& key);
-  // The end of the oldest task that the worker runs: well if all its inputs can be fetched, else with missing inputs.
-  // Asks again.
-  void Finish(WorkerId worker);
+  // The end of a task that the worker runs, of the oldest by default: well if all its inputs can be fetched, else with
+  // missing inputs. Asks again.
+  void Finish(WorkerId worker) { Finish(worker, At(worker).running.begin()->first); }
+  void Finish(WorkerId worker, LeaseId lease);
   void Fail(WorkerId worker, const Status& error);
   void Pass(Milliseconds time);  // no heartbeats
   void PassWithBeats(Milliseconds time);
+  // Workers answer what they were asked to give back: tasks that no slot has begun go back.
+  void AnswerAskedBack();
   // Works with all living workers until nothing is left to do.
   void RunToTheEnd();
 
@@ -74,6 +77,9 @@ class FakeFarm {
   std::map<WorkerId, FakeWorker> workers;
   std::vector<Grant> grants;
   std::vector<Revoke> revokes;
+  std::vector<AskBack> asked_back;
+  bool answers_late = false;  // what is asked back waits for AnswerAskedBack
+  std::set<LeaseId> begun;    // whose tasks a slot took
   std::vector<Release> releases;
   std::vector<Keep> keeps;
   std::map<JobId, JobSnapshot> ended;
@@ -88,6 +94,7 @@ class FakeFarm {
   void Apply(const Grant& grant);
   void Apply(const AcknowledgeHeartbeat& answer);
   void Apply(const Revoke& revoke);
+  void Apply(const AskBack& ask);
   void Apply(const Release& release) { releases.push_back(release); }
   void Apply(const Keep& keep) { keeps.push_back(keep); }
   void Apply(const ForgetJob&) {}
@@ -100,7 +107,11 @@ class FakeFarm {
   void Apply(const Note& note) { notes.push_back(note); }
 
   Milliseconds lease_;
+  // A worker's slots take its tasks in the order of their leases.
+  void BeginTasks();
+
   std::vector<WorkerId> to_ask_;
+  std::vector<AskBack> to_answer_;
   std::uint64_t last_worker_ = 0;
 };
 

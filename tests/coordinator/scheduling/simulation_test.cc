@@ -25,6 +25,9 @@ class Chaos {
       Join();
     } else if (dice < 20) {
       farm_.PassWithBeats(Milliseconds(Below(2000)));
+    } else if (dice == 21) {
+      farm_.answers_late = !farm_.answers_late;
+      if (!farm_.answers_late) farm_.AnswerAskedBack();
     } else if (dice == 20 && submitted_ > 0 && Below(4) == 0) {
       farm_.Cancel(static_cast<std::uint64_t>(1 + Below(submitted_)));
     } else if (!farm_.workers.empty()) {
@@ -116,6 +119,8 @@ TEST(FarmSimulation, EveryJobEndsAndNothingIsKeptWhateverHappens) {
     for (int step = 0; step < kSteps; ++step) chaos.Step();
     if (chaos.submitted() == 0) chaos.Submit();
 
+    farm.answers_late = false;
+    farm.AnswerAskedBack();
     // Calm: the silent are gone for good, one healthy worker comes.
     for (auto worker = farm.workers.begin(); worker != farm.workers.end();) {
       worker = worker->second.alive ? std::next(worker) : farm.workers.erase(worker);

@@ -1,0 +1,71 @@
+// What waits behind the slots of one worker while a slot of another is idle.
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "coordinator/scheduling/placement.h"
+#include "coordinator/scheduling/scheduler.h"
+
+namespace depthfarm {
+
+// Only the worker knows whether it has begun a task: what it ended may not have been heard of yet. So the lease stays
+// as it is until the worker answers, and a task that it has begun it simply goes on with.
+void Scheduler::Rebalance(std::vector<WorkerId> idle_workers) {
+  for (const auto& [id, worker] : workers_.workers()) {
+    for (const LeaseId lease : workers_.BehindSlots(worker)) {
+      if (const auto& idle = workers_.FindLease(lease)->asked_back_for) std::erase(idle_workers, *idle);
+    }
+  }
+  if (idle_workers.empty()) return;
+  // Each look costs a pass over the idle workers; where so many found none, the next event looks again.
+  std::size_t in_vain = 0;
+  for (const LeaseId lease : LeasesToAskBack()) {
+    if (!AskBackFor(lease, idle_workers)) ++in_vain;
+    if (idle_workers.empty() || in_vain == kMaxCandidates) return;
+  }
+}
+
+std::vector<LeaseId> Scheduler::LeasesToAskBack() const {
+  std::vector<std::pair<TaskId, LeaseId>> waiting;
+  for (const auto& [id, worker] : workers_.workers()) {
+    for (const LeaseId lease : workers_.BehindSlots(worker))
+      waiting.emplace_back(workers_.leases().at(lease).task, lease);
+  }
+  std::map<JobId, std::size_t> turn;
+  if (!waiting.empty()) {
+    for (const JobId id : JobsInFairOrder()) turn.emplace(id, turn.size());
+  }
+  std::ranges::sort(waiting, [&](const auto& a, const auto& b) {
+    const std::size_t turn_a = turn.at(a.first.job);
+    const std::size_t turn_b = turn.at(b.first.job);
+    return turn_a != turn_b ? turn_a < turn_b : ByUrgency()(a.first, b.first);
+  });
+  std::vector<LeaseId> leases;
+  leases.reserve(waiting.size());
+  for (const auto& [task, lease] : waiting) leases.push_back(lease);
+  return leases;
+}
+
+bool Scheduler::AskBackFor(LeaseId id, std::vector<WorkerId>& idle_workers) {
+  Lease& lease = *workers_.FindLease(id);
+  JobRecord& job = jobs_.at(lease.task.job);
+  Task* task = job.progress->Find(lease.task);
+  if (task == nullptr || task->lease != id || task->asked_back == task->failures + 1) return false;
+  const std::vector<WorkerId> takers = WhoTakes(job, idle_workers);
+  if (takers.empty()) return false;
+  const TaskCandidate candidate = CandidateOf(job, lease.task, takers);
+  const std::optional<Placement> placement = ChoosePlacement({&candidate, 1}, takers);
+  if (!placement) return false;
+  task->asked_back = task->failures + 1;
+  lease.asked_back_for = placement->worker;
+  std::erase(idle_workers, placement->worker);
+  AddNote(Note::Severity::kInfo, "task_asked_back",
+          {{"task", TaskName(lease.task)},
+           {"lease", std::to_string(id.value())},
+           {"worker", workers_.Find(lease.worker)->name},
+           {"for", workers_.Find(placement->worker)->name}});
+  Add(AskBack{lease.worker, id});
+  return true;
+}
+
+}  // namespace depthfarm
