@@ -106,6 +106,11 @@ Status MakeFolder(const fs::path& folder) {
   return {};
 }
 
+// Where earlier versions of the program had an artifact.
+fs::path EarlierPath(const fs::path& folder, const std::string& name) {
+  return folder / name.substr(0, 2) / name.substr(2, 2) / name;
+}
+
 // Earlier versions of the program held the lock as long as they ran.
 constexpr std::chrono::seconds kLongestOpen{20};
 
@@ -155,7 +160,7 @@ Status SharedFolder::OpenPins() {
 
 fs::path SharedFolder::PathOf(const ArtifactKey& key) const {
   const std::string name = Hex(key);
-  return folder_ / name.substr(0, 2) / name.substr(2, 2) / name;
+  return folder_ / name.substr(0, 1) / name;
 }
 
 std::string SharedFolder::TemporaryFor(const ArtifactKey& key) {
@@ -329,14 +334,27 @@ std::set<ArtifactKey> SharedFolder::PinsOfOthers() {
 void SharedFolder::TidyUp() const {
   std::error_code error;
   std::vector<fs::path> leftovers;
+  std::vector<fs::path> to_move;
   for (fs::recursive_directory_iterator entry(folder_, error); !error && entry != fs::recursive_directory_iterator();
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
     if (IsLeftover(name)) leftovers.push_back(entry->path());
     const std::optional<ArtifactKey> key = KeyOf(name);
-    if (key.has_value() && entry->path() == PathOf(*key)) (void)SetRankOf(entry->path(), Rank::kUsed);
+    if (!key.has_value()) continue;
+    if (entry->path() == PathOf(*key)) (void)SetRankOf(entry->path(), Rank::kUsed);
+    if (entry->path() == EarlierPath(folder_, name)) to_move.push_back(entry->path());
   }
-  for (const fs::path& path : leftovers) fs::remove(path, error);  // one that stays is found again at the next start
+  // What stays is found again at the next start.
+  for (const fs::path& path : leftovers) fs::remove(path, error);
+  for (const fs::path& path : to_move) {
+    const fs::path moved = PathOf(*KeyOf(path.filename().string()));
+    fs::create_directory(moved.parent_path(), error);
+    fs::rename(path, moved, error);
+    if (error) continue;
+    (void)SetRankOf(moved, Rank::kUsed);
+    fs::remove(path.parent_path(), error);  // the last one takes its folders with it
+    fs::remove(path.parent_path().parent_path(), error);
+  }
 }
 
 void SharedFolder::SetPins(const std::set<ArtifactKey>& keys) {

@@ -22,8 +22,9 @@ namespace depthfarm {
 // A folder of artifact files which the workers of a host may share: who may change it when, how many bytes it holds,
 // what must stay, and what goes first.
 //
-//   FOLDER/ab/cd/<key in hex>   the artifacts, ab and cd their first bytes; what is used is touched, so that the file
-//                               that was modified longest ago was used longest ago; two bits of its mode are its rank
+//   FOLDER/a/<key in hex>       the artifacts, a its first digit; what is used is touched, so that the file that was
+//                               modified longest ago was used longest ago; two bits of its mode are its rank. Few
+//                               folders: to make and remove one costs more than a file
 //   FOLDER/lock                 locked while files are added, removed or marked; holds the sum of their bytes and when
 //                               one was released last
 //   FOLDER/pins/N               of each SharedFolder that is open: keys that must stay; locked as long as it is open

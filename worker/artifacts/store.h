@@ -46,7 +46,7 @@ class ArtifactPins {
 // Workers of one host may share the folder (SharedFolder): what one makes or fetches all find; the bound, the order of
 // eviction and the pins are of all of them.
 //
-// Layout   FOLDER/ab/cd/<key in hex>, ab and cd its first bytes. A file is a header (store_file.h) and the artifact.
+// Layout   FOLDER/a/<key in hex>, a its first digit. A file is a header (store_file.h) and the artifact.
 //          It is written under another name and renamed, so a file of a killed worker is whole or absent; nothing is
 //          synced to disk, since what a power cut leaves fails its digest and is made again.
 // Trust    The content digest is checked when a file is first used after a restart, or was made by another worker, and

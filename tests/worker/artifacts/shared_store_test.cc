@@ -44,7 +44,7 @@ std::unique_ptr<ArtifactStore> OpenStore(const fs::path& folder, std::uint64_t m
 
 fs::path FileOf(const fs::path& folder, const ArtifactKey& key) {
   const std::string name = Hex(key);
-  return folder / name.substr(0, 2) / name.substr(2, 2) / name;
+  return folder / name.substr(0, 1) / name;
 }
 
 // Bytes of the artifact files; what else is not `lock`, `pins` or `turns` is listed.

@@ -49,7 +49,7 @@ class ArtifactStoreTest : public testing::Test {
   }
   fs::path FileOf(const ArtifactKey& key) const {
     const std::string name = Hex(key);
-    return folder_.path() / name.substr(0, 2) / name.substr(2, 2) / name;
+    return folder_.path() / name.substr(0, 1) / name;
   }
   void DamageByte(const ArtifactKey& key, std::streamoff offset) {
     std::fstream file(FileOf(key), std::ios::in | std::ios::out | std::ios::binary);
@@ -122,6 +122,21 @@ TEST_F(ArtifactStoreTest, RemovesWhatAKilledWorkerLeftButNothingElse) {
   EXPECT_FALSE(fs::exists(leftover));
   EXPECT_TRUE(fs::exists(foreign));
   EXPECT_THAT(Keys(*store_), ElementsAre(Key(1)));
+}
+
+TEST_F(ArtifactStoreTest, FindsWhatEarlierVersionsStoredInFoldersOfTwoBytes) {
+  Open(kPlenty);
+  const ArtifactInfo stored = store_->Put(Key(1), "one").value();
+  store_.reset();
+  const std::string name = Hex(Key(1));
+  const fs::path first_byte = folder_.path() / name.substr(0, 2);
+  fs::create_directories(first_byte / name.substr(2, 2));
+  fs::rename(FileOf(Key(1)), first_byte / name.substr(2, 2) / name);
+  Open(kPlenty);
+  EXPECT_EQ(store_->Find(Key(1)), stored);
+  EXPECT_EQ(store_->Get(Key(1)).value(), "one");
+  EXPECT_EQ(store_->total_bytes(), RoomFor(1, 3));
+  EXPECT_FALSE(fs::exists(first_byte));
 }
 
 TEST_F(ArtifactStoreTest, DropsATruncatedFileAtStart) {
