@@ -60,7 +60,10 @@ std::string Shortened(const Json& value) {
 }
 
 bool HasControlCharacter(std::string_view text) {
-  return std::any_of(text.begin(), text.end(), [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; });
+  return std::any_of(text.begin(), text.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);  // char is signed on some machines
+    return byte < ' ' || byte == 0x7f;
+  });
 }
 
 Result<Json> ParseStrictJson(std::string_view text) {
