@@ -24,10 +24,15 @@ inline constexpr auto kWeights = [] {
 
 }  // namespace colour_weight_internal
 
+// Summed over all components, grey levels.
+[[nodiscard]] inline int ColourDifference(const Ycbcr& a, const Ycbcr& b) {
+  return L1Distance(a, b) + std::abs(a.matte - b.matte);
+}
+
 // How alike two colours are, 1 to more than 0. About exp(-d / 10) of the summed difference d of all components, without
 // the library's exp, whose last bits differ between machines: (1 + d / 40)^-4.
 [[nodiscard]] inline double ColourWeight(const Ycbcr& a, const Ycbcr& b) {
-  return colour_weight_internal::kWeights[static_cast<std::size_t>(L1Distance(a, b) + std::abs(a.matte - b.matte))];
+  return colour_weight_internal::kWeights[static_cast<std::size_t>(ColourDifference(a, b))];
 }
 
 }  // namespace depthfarm

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/base/parallel.h"
+#include "worker/refinement/sight_kernels.h"
 
 namespace depthfarm {
 namespace {
@@ -32,86 +33,22 @@ struct Fit {
   NormalEquations equations;
 };
 
-// A pixel that another view sees.
-struct SeenPixel {
-  int x = 0;
-  PlaneIndex segment = 0;
-  Seen seen;
-};
-
-// What the misfit of one pixel says of its u: weight g (g du + r), summed over the components.
-struct PixelFit {
-  int x = 0;
-  PlaneIndex segment = 0;
-  double rho = 0;
-  double gg = 0;
-  double gr = 0;
-};
-
-// Compares pixels with one other view. Pixel: of its picture.
-template <typename Pixel>
-class Comparison {
- public:
-  // `base`: weight of a pixel whose colours fit.
-  Comparison(const OtherView& other, const Grid<Pixel>& picture, double base)
-      : sampler_(picture),
-        right_(picture.width() - 1),
-        bottom_(picture.height() - 1),
-        inverse_scale_(1 / (kKappa * kKappa * other.sigma * other.sigma)),
-        base_(base) {}
-
-  // False where the colour half a pixel before or behind in the direction of motion is not seen, or nothing moves.
-  [[nodiscard, gnu::always_inline]] bool Fit(const Seen& seen, const Colour& own, PixelFit& fit) const {
-    const double squared = seen.dx * seen.dx + seen.dy * seen.dy;
-    if (!(squared > 1e-18)) return false;
-    const double motion = std::sqrt(squared);
-    const DoublePair at{seen.x, seen.y};
-    const DoublePair half_way = 0.5 / motion * DoublePair{seen.dx, seen.dy};
-    const DoublePair before = at - half_way;
-    const DoublePair after = at + half_way;
-    if (!Inside(before) || !Inside(after)) return false;
-    const ColourVector gradient = sampler_.At(after) - sampler_.At(before);
-    const ColourVector difference = sampler_.At(at) - VectorOf(own);
-    // Of each component both numbers in one register.
-    const DoublePair y = __builtin_convertvector(__builtin_shufflevector(gradient, difference, 0, 4), DoublePair);
-    const DoublePair cb = __builtin_convertvector(__builtin_shufflevector(gradient, difference, 1, 5), DoublePair);
-    const DoublePair cr = __builtin_convertvector(__builtin_shufflevector(gradient, difference, 2, 6), DoublePair);
-    const DoublePair squares = y * y + cb * cb + cr * cr;
-    const double gg = squares[0];
-    const double rr = squares[1];
-    const double gr = y[0] * y[1] + cb[0] * cb[1] + cr[0] * cr[1];
-    const double t = rr * inverse_scale_;
-    const double robust = 1 / (1 + t);
-    const double weight = base_ * robust * robust;
-    fit.rho = t * robust;
-    fit.gg = weight * squared * gg;
-    fit.gr = weight * motion * gr;
-    return true;
-  }
-
- private:
-  [[nodiscard]] bool Inside(DoublePair p) const { return p[0] >= 0 && p[1] >= 0 && p[0] <= right_ && p[1] <= bottom_; }
-
-  Sampler<Pixel> sampler_;
-  double right_, bottom_;
-  double inverse_scale_;
-  double base_;
-};
-
-// Adds the pixel (px, py) from the segment's centre.
-void AddPixel(const PixelFit& pixel, double px, double py, Fit& fit) {
-  fit.rho += pixel.rho;
+// Adds what the i-th pixel of a list says, (px, py) from the segment's centre.
+void AddPixel(const PixelFits& pixels, std::size_t i, double px, double py, Fit& fit) {
+  const double gg = pixels.gg[i];
+  const double gr = pixels.gr[i];
+  fit.rho += pixels.rho[i];
   ++fit.pixels;
   auto& [h, rhs] = fit.equations;
-  h[0] += pixel.gg * px * px;
-  h[1] += pixel.gg * px * py;
-  h[2] += pixel.gg * px;
-  h[3] += pixel.gg * py * py;
-  h[4] += pixel.gg * py;
-  h[5] += pixel.gg;
-  rhs[0] -= pixel.gr * px;
-  rhs[1] -= pixel.gr * py;
-  rhs[2] -= pixel.gr;
+  h[0] += gg * px * px;
+  h[1] += gg * px * py;
+  h[2] += gg * px;
+  h[3] += gg * py * py;
+  h[4] += gg * py;
+  h[5] += gg;
+  rhs[0] -= gr * px;
+  rhs[1] -= gr * py;
+  rhs[2] -= gr;
 }
 
 // The pixels of row y that speak, from left to right.
@@ -121,41 +58,30 @@ void FindSpeaking(const FreePixels& free, int y, int step, std::vector<int>& spe
     for (int x = run.left + (run.left + y) % step; x < run.right; x += step) speaking.push_back(x);
 }
 
-// By the number of the segment among those that are free. `picture`: the other view's. Piece by piece of a row, each
-// step for all its pixels: what one pixel waits for (a division, a root, a value of the map) is of no concern to the
-// next.
+// By the number of the segment among those that are free. `own`: the view's picture.
 template <typename Pixel>
-std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& picture, const PictureColours& own,
-                             const RefinedView& refined, const FreePixels& free, const InverseDepthMap& map,
-                             std::span<const PixelPosition> centers, bool blurred, const std::stop_token& stop) {
-  constexpr std::size_t kPiece = 64;  // pixels
+std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& own, const RefinedView& refined,
+                             const FreePixels& free, const InverseDepthMap& map, std::span<const PixelPosition> centers,
+                             bool blurred, const std::stop_token& stop) {
   std::vector<Fit> fits(free.num_segments());
   const Sampling sampling = blurred ? kSmoothed : kSharp;
   const int share = sampling.row_step * sampling.column_step;
   const double base = share / (other.sigma * other.sigma * (blurred ? kBlurArea : 1));
-  const Sight sight(*other.pair, *other.map);
-  const Comparison<Pixel> comparison(other, picture, base);
-  std::array<SeenPixel, kPiece> seen_pixels{};
-  std::array<PixelFit, kPiece> pixel_fits{};
+  PixelList list;
+  PixelFits pixels;
   std::vector<int> speaking;
   for (int y = 0; y < own.height() && !stop.stop_requested(); y += sampling.row_step) {
     FindSpeaking(free, y, sampling.column_step, speaking);
-    for (std::size_t first = 0; first < speaking.size(); first += kPiece) {
-      std::size_t num_seen = 0;
-      for (const int x : std::span(speaking).subspan(first, std::min(kPiece, speaking.size() - first))) {
-        if (const auto seen = sight.Of(x, y, map(x, y)))
-          seen_pixels[num_seen++] = {.x = x, .segment = refined.plane_of_pixel(x, y), .seen = *seen};
-      }
-      std::size_t num_fits = 0;
-      for (const SeenPixel& pixel : std::span(seen_pixels).first(num_seen)) {
-        PixelFit& fit = pixel_fits[num_fits];
-        fit.x = pixel.x;
-        fit.segment = pixel.segment;
-        if (comparison.Fit(pixel.seen, own(pixel.x, y), fit)) ++num_fits;
-      }
-      for (const PixelFit& fit : std::span(pixel_fits).first(num_fits)) {
-        const PixelPosition& center = centers[fit.segment];
-        AddPixel(fit, fit.x - center.x, y - center.y, fits[free.NumberOf(fit.segment)]);
+    for (std::size_t first = 0; first < speaking.size(); first += kListPixels) {
+      list.count = 0;
+      for (const int x : std::span(speaking).subspan(first, std::min(kListPixels, speaking.size() - first)))
+        list.Add(own, x, y, map(x, y));
+      FitColours(other, base, list, pixels);
+      for (std::size_t i = 0; i < list.count; ++i) {
+        if (pixels.fits[i] == 0) continue;
+        const PlaneIndex segment = refined.plane_of_pixel(list.x[i], y);
+        const PixelPosition& center = centers[segment];
+        AddPixel(pixels, i, list.x[i] - center.x, y - center.y, fits[free.NumberOf(segment)]);
       }
     }
   }
@@ -170,8 +96,8 @@ std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedVi
                                       int threads) {
   std::vector<std::vector<Fit>> fits(others.size());
   ParallelFor(others.size(), threads, [&](std::size_t i) {
-    fits[i] = others[i].colour.With([&](const auto& picture) {
-      return FitsAgainst(others[i], picture, own, refined, free, map, centers, blurred, stop);
+    fits[i] = own.With([&](const auto& picture) {
+      return FitsAgainst(others[i], picture, refined, free, map, centers, blurred, stop);
     });
   });
   std::vector<NormalEquations> result(centers.size());

@@ -22,7 +22,7 @@ struct NormalEquations {
 // view, of which every second one speaks for two, every fourth of smoothed pictures for four; an other view that does
 // not fit a segment (a silhouette) counts less there. `free` is FreePixels(refined), `map` is refined.Map(),
 // `centers` has one per segment, and so has the result; that of kept ones is 0. `blurred`:
-// the colours are smoothed, so neighbouring differences are not independent. Threads take one other view each, so that
+// all colours are smoothed, so neighbouring differences are not independent. Threads take one other view each, so that
 // sums are in one order. Ends early with a part of the sum once `stop` is requested.
 [[nodiscard]] std::vector<NormalEquations> DataTerm(const PictureColours& own, const RefinedView& refined,
                                                     const FreePixels& free, const InverseDepthMap& map,

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <vector>
+
+#include "worker/refinement/sight_kernels.h"
 
 namespace depthfarm {
 namespace {
@@ -15,14 +18,24 @@ constexpr double kMedianOfNorm = 1.54;  // median length of a vector of three no
 }  // namespace
 
 double MeasureNoise(const PictureColours& own, const InverseDepthMap& map, const OtherView& other) {
-  const Sight sight(*other.pair, *other.map);
   std::vector<double> squares;
-  for (int y = 1; y < own.height(); y += kSampleStep) {
-    for (int x = 1; x < own.width(); x += kSampleStep) {
-      const auto seen = sight.Of(x, y, map(x, y));
-      if (seen) squares.push_back(SquaredDistance(other.colour.Between(seen->x, seen->y), VectorOf(own(x, y))));
+  PixelList list;
+  ListOf<double> distances;
+  const auto measure = [&] {
+    SquaredDistances(other, list, distances);
+    for (const double square : std::span(distances).first(list.count))
+      if (square != kNotSeen) squares.push_back(square);
+    list.count = 0;
+  };
+  own.With([&](const auto& picture) {
+    for (int y = 1; y < own.height(); y += kSampleStep) {
+      for (int x = 1; x < own.width(); x += kSampleStep) {
+        list.Add(picture, x, y, map(x, y));
+        if (list.count == kListPixels) measure();
+      }
     }
-  }
+  });
+  measure();
   if (squares.empty()) return kNoiseFloor;
   const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
   std::nth_element(squares.begin(), middle, squares.end());

@@ -103,6 +103,14 @@ class Sight {
   return other_map(NearestPixel(seen.x), NearestPixel(seen.y));
 }
 
+// Whether all 3 x 3 pixels around (cx, cy) show what is at less than `bound`.
+[[nodiscard]] inline bool AllFarther(const InverseDepthMap& map, int cx, int cy, double bound) {
+  for (int y = std::max(0, cy - 1); y <= std::min(map.height() - 1, cy + 1); ++y)
+    for (int x = std::max(0, cx - 1); x <= std::min(map.width() - 1, cx + 1); ++x)
+      if (map(x, y) >= bound) return false;
+  return true;
+}
+
 // Whether all 3 x 3 pixels around where a point appears show what is more than a pixel of u farther. One that does not
 // is enough to believe in the point: contours of two views do not meet to the pixel.
 [[nodiscard]] inline bool SeesThrough(const InverseDepthMap& other_map, const Seen& seen) {
@@ -110,10 +118,7 @@ class Sight {
   const int cy = NearestPixel(seen.y);
   const double bound = seen.u_in_other - kHiddenBy;
   if (other_map(cx, cy) >= bound) return false;  // as most often
-  for (int y = std::max(0, cy - 1); y <= std::min(other_map.height() - 1, cy + 1); ++y)
-    for (int x = std::max(0, cx - 1); x <= std::min(other_map.width() - 1, cx + 1); ++x)
-      if (other_map(x, y) >= bound) return false;
-  return true;
+  return AllFarther(other_map, cx, cy, bound);
 }
 
 inline constexpr double kInMidAir = 0.03;  // of rho

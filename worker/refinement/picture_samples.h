@@ -126,7 +126,8 @@ class PictureColours {
   PictureColours(YcbcrImage&&) = delete;
   PictureColours(FineImage&&) = delete;
 
-  // Null: as it is.
+  // One of them is null.
+  [[nodiscard]] const YcbcrImage* sharp() const { return sharp_; }
   [[nodiscard]] const FineImage* smoothed() const { return smoothed_; }
   [[nodiscard]] int width() const { return smoothed_ != nullptr ? smoothed_->width() : sharp_->width(); }
   [[nodiscard]] int height() const { return smoothed_ != nullptr ? smoothed_->height() : sharp_->height(); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +31,6 @@ constexpr std::size_t kMaxCandidates = 5;
 constexpr std::size_t kUsualCandidates = 3;  // of a pixel that has a choice; room for more is made
 constexpr std::size_t kUsualCosts = 5;
 constexpr int kSweeps = 3;
-constexpr std::size_t kCostsBetweenStopChecks = 1U << 12;
 constexpr int kBandsOfThread = 4;   // rows differ in what there is to do
 constexpr int kFewestRows = 16;     // of a band
 constexpr double kPriorCost = 0.3;  // of rho, for a plane that the prior speaks against
@@ -132,8 +132,28 @@ class Surroundings {
         ways_[i++] = d * (dy * std::ptrdiff_t{view.plane_of_pixel.width()} + dx);
   }
 
-  // How many candidates there are at a pixel, and what they are but for their costs.
-  std::size_t CandidatesAt(int x, int y, std::array<Candidate, kMaxCandidates>& candidates) const {
+  // Where the pixels around are all in the picture.
+  [[nodiscard]] bool Whole(int x, int y) const {
+    const Grid<PlaneIndex>& planes = view_.plane_of_pixel;
+    return x >= kReach && y >= kReach && x + kReach < planes.width() && y + kReach < planes.height();
+  }
+
+  // Of each pixel from (x, y) to the right: the ways (one bit each) to pixels around that have another plane. All are
+  // Whole.
+  void FindOthers(int x, int y, std::span<std::uint32_t> others) const {
+    const PlaneIndex* const here = view_.plane_of_pixel.row(y) + x;
+    std::fill(others.begin(), others.end(), 0U);
+    for (std::size_t way = 0; way < kNumWays; ++way) {
+      const PlaneIndex* const there = here + ways_[way];
+      const std::uint32_t bit = 1U << way;
+      for (std::size_t i = 0; i < others.size(); ++i) others[i] |= there[i] != here[i] ? bit : 0U;
+    }
+  }
+
+  // How many candidates there are at a pixel, and what they are but for their costs. `others`: of FindOthers where it
+  // is Whole.
+  std::size_t CandidatesAt(int x, int y, std::uint32_t others,
+                           std::array<Candidate, kMaxCandidates>& candidates) const {
     std::array<PlaneIndex, 1 + kNumWays> seen{};  // candidates and what is like one
     std::size_t num_seen = 0;
     std::size_t count = 0;
@@ -149,8 +169,8 @@ class Surroundings {
     const Grid<PlaneIndex>& planes = view_.plane_of_pixel;
     const PlaneIndex* const here = planes.row(y) + x;
     offer(*here);
-    if (x >= kReach && y >= kReach && x + kReach < planes.width() && y + kReach < planes.height()) {
-      for (std::size_t i = 0; i < kNumWays && count < kMaxCandidates; ++i) offer(here[ways_[i]]);
+    if (Whole(x, y)) {
+      for (; others != 0 && count < kMaxCandidates; others &= others - 1) offer(here[ways_[std::countr_zero(others)]]);
       return count;
     }
     for (int d = 1; d <= kReach; ++d) {
@@ -180,10 +200,18 @@ void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, Band
     const auto entry = static_cast<KnownCosts::Entry>(i);
     by_plane[next[known[entry].plane]++] = entry;
   }
-  for (std::size_t i = 0; i < by_plane.size(); ++i) {
-    if (i % kCostsBetweenStopChecks == 0 && stop.stop_requested()) return;
-    const KnownCosts::Cost& of = known[by_plane[i]];
-    known.Set(by_plane[i], cost.At(of.x, band.rows.top + of.y, of.plane, view.planes[of.plane]));
+  std::vector<PixelPosition> pixels;
+  std::vector<double> costs;
+  for (std::size_t begin = 0, end = 0; begin < by_plane.size() && !stop.stop_requested(); begin = end) {
+    const PlaneIndex plane = known[by_plane[begin]].plane;
+    pixels.clear();
+    for (; end < by_plane.size() && known[by_plane[end]].plane == plane; ++end) {
+      const KnownCosts::Cost& of = known[by_plane[end]];
+      pixels.push_back({of.x, band.rows.top + of.y});
+    }
+    costs.resize(pixels.size());
+    cost.Costs(view.planes[plane], pixels, costs);
+    for (std::size_t i = 0; i < costs.size(); ++i) known.Set(by_plane[begin + i], costs[i]);
   }
 }
 
@@ -229,10 +257,10 @@ class Chooser {
   const PriorField* prior_;
 };
 
-// The first marked pixel of a row from x on; the width if there is none. Late passes have few.
-int NextMarked(const Grid<std::uint8_t>& marked, int x, int y) {
+// The first pixel of a row from x on that has this mark; the width if there is none. Late passes have few.
+int NextMarked(const Grid<std::uint8_t>& marked, int mark, int x, int y) {
   const std::uint8_t* const row = marked.row(y);
-  const void* const found = std::memchr(row + x, 1, static_cast<std::size_t>(marked.width() - x));
+  const void* const found = std::memchr(row + x, mark, static_cast<std::size_t>(marked.width() - x));
   return found == nullptr ? marked.width() : static_cast<int>(static_cast<const std::uint8_t*>(found) - row);
 }
 
@@ -244,19 +272,34 @@ void FindChoices(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& seg
   choices.candidates.clear();
   const Surroundings surroundings(view);
   std::array<Candidate, kMaxCandidates> candidates{};
+  const auto add = [&](int x, int y, std::uint32_t others) {
+    if (view.kept[segments(x, y)] != 0) return;
+    const std::size_t count = surroundings.CandidatesAt(x, y, others, candidates);
+    if (count < 2) return;
+    choices.all.push_back({.x = static_cast<std::uint16_t>(x),
+                           .y = static_cast<std::uint16_t>(y),
+                           .first = static_cast<std::uint32_t>(choices.candidates.size()),
+                           .count = static_cast<std::uint32_t>(count)});
+    for (Candidate& candidate : std::span(candidates).first(count)) {
+      candidate.cost = band.known.EntryOf(x, y - band.rows.top, candidate.plane);
+      choices.candidates.push_back(candidate);
+    }
+  };
+  std::vector<std::uint32_t> others;
   for (int y = band.rows.top; y < band.rows.bottom; ++y) {
-    for (int x = NextMarked(marked, 0, y); x < marked.width(); x = NextMarked(marked, x + 1, y)) {
-      if (view.kept[segments(x, y)] != 0) continue;
-      const std::size_t count = surroundings.CandidatesAt(x, y, candidates);
-      if (count < 2) continue;
-      choices.all.push_back({.x = static_cast<std::uint16_t>(x),
-                             .y = static_cast<std::uint16_t>(y),
-                             .first = static_cast<std::uint32_t>(choices.candidates.size()),
-                             .count = static_cast<std::uint32_t>(count)});
-      for (Candidate& candidate : std::span(candidates).first(count)) {
-        candidate.cost = band.known.EntryOf(x, y - band.rows.top, candidate.plane);
-        choices.candidates.push_back(candidate);
+    int end = 0;
+    for (int x = NextMarked(marked, 1, 0, y); x < marked.width(); x = NextMarked(marked, 1, end, y)) {
+      end = NextMarked(marked, 0, x, y);
+      for (; x < end && !surroundings.Whole(x, y); ++x) add(x, y, 0);
+      int last = x;
+      while (last < end && surroundings.Whole(last, y)) ++last;
+      others.resize(static_cast<std::size_t>(last - x));
+      surroundings.FindOthers(x, y, others);
+      for (const std::uint32_t of_pixel : others) {
+        if (of_pixel != 0) add(x, y, of_pixel);
+        ++x;
       }
+      for (; x < end; ++x) add(x, y, 0);
     }
   }
 }

@@ -113,14 +113,13 @@ class Regions {
   std::int32_t next_ = 0;
 };
 
-// Each value the largest of those up to kSpread away.
+// Each value the largest of those up to kSpread away. `row` has kSpread more to either side.
 void SpreadRow(std::span<const float> row, std::span<float> spread) {
-  const auto width = static_cast<int>(row.size());
-  for (int x = 0; x < width; ++x) {
-    float largest = row[static_cast<std::size_t>(x)];
-    for (int at = std::max(0, x - kSpread); at <= std::min(width - 1, x + kSpread); ++at)
-      largest = std::max(largest, row[static_cast<std::size_t>(at)]);
-    spread[static_cast<std::size_t>(x)] = largest;
+  const float* const values = row.data();
+  for (std::size_t x = 0; x < spread.size(); ++x) {
+    float largest = values[x];
+    for (std::size_t i = 1; i <= 2 * kSpread; ++i) largest = std::max(largest, values[x + i]);
+    spread[x] = largest;
   }
 }
 
@@ -159,10 +158,11 @@ InverseDepthMap Occluders(const InverseDepthMap& map, const Grid<SegmentIndex>& 
                           std::span<const std::uint8_t> plain) {
   const auto width = static_cast<std::size_t>(map.width());
   InverseDepthMap occluders(map.width(), map.height(), kNothing);
-  std::vector<float> known(width);
+  std::vector<float> known(width + 2 * kSpread, kNothing);
   std::vector<float> spread(width);
   for (int y = 0; y < map.height(); ++y) {
-    for (std::size_t x = 0; x < width; ++x) known[x] = plain[labels.row(y)[x]] != 0 ? kNothing : map.row(y)[x];
+    for (std::size_t x = 0; x < width; ++x)
+      known[x + kSpread] = plain[labels.row(y)[x]] != 0 ? kNothing : map.row(y)[x];
     SpreadRow(known, spread);
     for (int to = std::max(0, y - kSpread); to <= std::min(map.height() - 1, y + kSpread); ++to) {
       float* const row = occluders.row(to);

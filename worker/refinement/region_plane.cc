@@ -12,6 +12,7 @@
 
 #include "common/base/parallel.h"
 #include "common/geometry/symmetric_solve.h"
+#include "worker/refinement/sight_kernels.h"
 
 namespace depthfarm {
 namespace {
@@ -183,26 +184,43 @@ class Decision {
 
   [[nodiscard]] std::size_t Step() const { return std::max<std::size_t>(1, pixels_.size() / kManyPixels); }
 
-  // Mean misfit of a pixel over the views that see it.
-  [[nodiscard]] std::optional<double> MisfitAt(const PixelPosition& p, double u) const {
-    double sum = 0;
-    int views = 0;
-    for (const OtherView& other : others_) {
-      const auto rho = Misfit(own_(p.x, p.y), other, p.x, p.y, u);
-      if (!rho) continue;
-      sum += *rho;
-      ++views;
+  // Calls `use` for each pixel that is judged, in their order, with its mean misfit over the views that see it; nullopt
+  // where none does. `depth_at`: u of a pixel.
+  template <typename Depth, typename Use>
+  void JudgeEach(const Depth& depth_at, const Use& use) const {
+    PixelList list;
+    ListOf<double> misfits;
+    ListOf<double> sums;
+    ListOf<int> views;
+    for (std::size_t next = 0; next < pixels_.size();) {
+      list.count = 0;
+      own_.With([&](const auto& picture) {
+        for (; next < pixels_.size() && list.count < kListPixels; next += Step()) {
+          const auto [x, y] = pixels_[next];
+          list.Add(picture, x, y, depth_at(x, y));
+        }
+      });
+      sums.fill(0);
+      views.fill(0);
+      for (const OtherView& other : others_) {
+        Misfits(other, list, misfits);
+        for (std::size_t i = 0; i < list.count; ++i) {
+          if (misfits[i] == kNotSeen) continue;
+          sums[i] += misfits[i];
+          ++views[i];
+        }
+      }
+      for (std::size_t i = 0; i < list.count; ++i)
+        use(views[i] == 0 ? std::nullopt : std::optional<double>(sums[i] / views[i]));
     }
-    if (views == 0) return std::nullopt;
-    return sum / views;
   }
 
   void Judge(Candidate& candidate) const {
-    for (std::size_t i = 0; i < pixels_.size(); i += Step()) {
-      const auto misfit = MisfitAt(pixels_[i], candidate.plane.At(pixels_[i].x, pixels_[i].y));
+    const auto add = [&](const std::optional<double>& misfit) {
       candidate.cost += misfit.value_or(0);
       candidate.unseen += misfit ? 0 : 1;
-    }
+    };
+    JudgeEach([&](int x, int y) { return candidate.plane.At(x, y); }, add);
     // Else the plane that moves most of the region out of sight would cost least.
     const auto judged = static_cast<double>((pixels_.size() + Step() - 1) / Step());
     const double seen = judged - static_cast<double>(candidate.unseen);
@@ -215,8 +233,7 @@ class Decision {
   template <typename Depth>
   [[nodiscard]] double CostOf(const Depth& depth_at) const {
     double cost = 0;
-    for (std::size_t i = 0; i < pixels_.size(); i += Step())
-      cost += MisfitAt(pixels_[i], depth_at(pixels_[i].x, pixels_[i].y)).value_or(0);
+    JudgeEach(depth_at, [&](const std::optional<double>& misfit) { cost += misfit.value_or(0); });
     return cost * static_cast<double>(Step());
   }
 

@@ -2,37 +2,21 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "tests/support/every_target.h"
 #include "tests/support/random.h"
 #include "worker/cost/matching.h"
 
 namespace depthfarm {
 namespace {
 
+using test::OnEveryTarget;
 using test::Random;
 using testing::ElementsAreArray;
-
-// Calls `check` with each kind of vector that this processor has.
-template <typename Check>
-void OnEveryTarget(const Check& check) {
-  std::int64_t left = hwy::SupportedTargets();
-  ASSERT_NE(left, 0);
-  while (left != 0) {
-    const std::int64_t target = left & -left;
-    left &= left - 1;
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-}
 
 YcbcrImage RandomPicture(Random& random, int width, int height) {
   YcbcrImage picture(width, height);
