@@ -155,6 +155,14 @@ void SimulatedWorker::OnMessage(const v1::Envelope& message) {
     case v1::Envelope::kRevokeLease:
       Handle(event::Revoked{LeaseId(message.revoke_lease().lease_id())});
       return;
+    case v1::Envelope::kGiveBackTask: {
+      const auto task = Find(LeaseId(message.give_back_task().lease_id()));
+      if (task == tasks_.end() || task->computing) return;
+      TaskOutcome outcome;
+      outcome.status = Cancelled();
+      EndTask(task->lease, outcome);
+      return;
+    }
     case v1::Envelope::kReleaseArtifacts: {
       const std::vector<ArtifactKey> keys = KeysOf(message.release_artifacts()).value();
       for (const ArtifactKey& key : keys) {
