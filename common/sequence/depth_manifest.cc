@@ -229,8 +229,6 @@ Status WriteDepthManifest(const std::string& directory, const DepthManifest& man
 }
 
 Result<DepthManifest> ReadDepthManifest(const std::string& directory) {
-  static constexpr std::array<std::string_view, 6> kKeys = {"format",     "sequence",   "algorithmVersion",
-                                                            "firstFrame", "parameters", "cameras"};
   const std::string file = (std::filesystem::path(directory) / kDepthManifestName).string();
   const auto missing = [](const std::string& path) {
     std::error_code error;
@@ -246,7 +244,13 @@ Result<DepthManifest> ReadDepthManifest(const std::string& directory) {
   }
   const auto text = ReadFileBytes(file, kMaxManifestBytes);
   if (!text.ok()) return InvalidArgument(text.status().message());
-  const auto document = ParseStrictJson(*text);
+  return ParseDepthManifest(*text, file);
+}
+
+Result<DepthManifest> ParseDepthManifest(std::string_view text, const std::string& file) {
+  static constexpr std::array<std::string_view, 6> kKeys = {"format",     "sequence",   "algorithmVersion",
+                                                            "firstFrame", "parameters", "cameras"};
+  const auto document = ParseStrictJson(text);
   if (!document.ok()) return document.status().WithContext(file);
   DEPTHFARM_ASSIGN_OR_RETURN(const JsonFields fields, JsonFields::Of(*document, file, kKeys));
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string format, fields.String("format"));

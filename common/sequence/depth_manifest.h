@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -58,6 +59,9 @@ struct DepthManifest {
 // duplicate keys, wrong types or shapes, a path that leaves the folder, a digest that is none, cameras with different
 // numbers of files, an unknown version of the format.
 [[nodiscard]] Result<DepthManifest> ReadDepthManifest(const std::string& directory);
+
+// The same of the text of such a file; `file` is not opened.
+[[nodiscard]] Result<DepthManifest> ParseDepthManifest(std::string_view text, const std::string& file);
 
 }  // namespace depthfarm
 

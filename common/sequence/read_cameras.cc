@@ -28,7 +28,11 @@ Result<Camera> ReadCamera(const Json& value, const std::string& file, const std:
 Result<std::vector<Camera>> ReadCameras(const std::string& file) {
   const auto text = ReadFileBytes(file, kMaxFileBytes);
   if (!text.ok()) return InvalidArgument("camera file " + text.status().message());
-  const auto document = ParseStrictJson(*text);
+  return ParseCameras(*text, file);
+}
+
+Result<std::vector<Camera>> ParseCameras(std::string_view text, const std::string& file) {
+  const auto document = ParseStrictJson(text);
   if (!document.ok()) return document.status().WithContext(file);
   if (!document->is_object() || !document->contains("cameras")) {
     DEPTHFARM_ASSIGN_OR_RETURN(const Camera camera, ReadCamera(*document, file, file));

@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_SEQUENCE_READ_CAMERAS_H_
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/status.h"
@@ -13,6 +14,9 @@ namespace depthfarm {
 // them under "cameras". As strict as ReadSequence; names may repeat.
 // Errors  kInvalidArgument naming file, camera or key, the value found and what was expected.
 [[nodiscard]] Result<std::vector<Camera>> ReadCameras(const std::string& file);
+
+// The same of the text of such a file; `file` is not opened.
+[[nodiscard]] Result<std::vector<Camera>> ParseCameras(std::string_view text, const std::string& file);
 
 }  // namespace depthfarm
 

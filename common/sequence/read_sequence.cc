@@ -247,15 +247,19 @@ class SequenceReader {
 
 }  // namespace
 
+Result<Sequence> ParseSequence(std::string_view text, const std::string& file, const ReadSequenceOptions& options) {
+  const auto document = ParseStrictJson(text);
+  if (!document.ok()) return document.status().WithContext(file);
+  return SequenceReader(file, options).Read(*document);
+}
+
 Result<Sequence> ReadSequence(const std::string& file, const ReadSequenceOptions& options) {
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(file, error).lexically_normal();
   if (file.empty() || error) return InvalidArgument("sequence file '" + file + "': expected the path of a JSON file");
   const auto text = ReadFileBytes(absolute.string(), std::uint64_t{kMaxSequenceFileMib} << 20);
   if (!text.ok()) return InvalidArgument("sequence file " + text.status().message());
-  const auto document = ParseStrictJson(*text);
-  if (!document.ok()) return document.status().WithContext(absolute.string());
-  return SequenceReader(absolute, options).Read(*document);
+  return ParseSequence(*text, absolute.string(), options);
 }
 
 }  // namespace depthfarm

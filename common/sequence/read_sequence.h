@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_SEQUENCE_READ_SEQUENCE_H_
 
 #include <string>
+#include <string_view>
 
 #include "common/base/status.h"
 #include "common/sequence/sequence.h"
@@ -29,6 +30,10 @@ struct ReadSequenceOptions {
 // that
 //         is missing or unreadable, since the user named it.
 [[nodiscard]] Result<Sequence> ReadSequence(const std::string& file, const ReadSequenceOptions& options = {});
+
+// The same of the text of such a file; `file`, its absolute path, is not opened.
+[[nodiscard]] Result<Sequence> ParseSequence(std::string_view text, const std::string& file,
+                                             const ReadSequenceOptions& options = {});
 
 }  // namespace depthfarm
 
