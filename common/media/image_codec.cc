@@ -28,6 +28,54 @@ std::size_t EndOfScan(std::string_view bytes, std::size_t position) {
   }
 }
 
+// Decoded bytes that a file may say it holds: headers are believed before a pixel is read. A PNG of one colour and one
+// bit a pixel has the most, 8,256 for each of its bytes; small pictures may be of any format.
+constexpr std::size_t kMostBytesOfSmall = std::size_t{64} << 20;
+constexpr std::size_t kMostExpansion = 9000;
+
+struct TooLarge {
+  int width;
+  int height;
+};
+
+// OpenCV takes memory for a picture as soon as it has read the header, and from nowhere else but the default allocator
+// once that of the picture has refused. So this one is the default; it bounds pictures of the thread that decodes.
+class BoundedAllocator final : public cv::MatAllocator {
+ public:
+  // For as long as it lives.
+  class Bound {
+   public:
+    explicit Bound(std::size_t most) { most_ = most; }
+    ~Bound() { most_ = SIZE_MAX; }
+    Bound(const Bound&) = delete;
+    Bound& operator=(const Bound&) = delete;
+  };
+  static void Install() {
+    static BoundedAllocator allocator;
+    static const bool installed = (cv::Mat::setDefaultAllocator(&allocator), true);
+    (void)installed;
+  }
+
+  // `data` that is given needs no memory.
+  cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, std::size_t* step, cv::AccessFlag flags,
+                         cv::UMatUsageFlags usage) const override {
+    if (dims == 2 && data == nullptr &&
+        static_cast<std::size_t>(sizes[0]) * static_cast<std::size_t>(sizes[1]) * CV_ELEM_SIZE(type) > most_)
+      throw TooLarge{sizes[1], sizes[0]};
+    return standard_.allocate(dims, sizes, type, data, step, flags, usage);
+  }
+  bool allocate(cv::UMatData* data, cv::AccessFlag flags, cv::UMatUsageFlags usage) const override {
+    return standard_.allocate(data, flags, usage);
+  }
+  void deallocate(cv::UMatData* data) const override { standard_.deallocate(data); }
+
+ private:
+  static thread_local std::size_t most_;
+  const cv::MatAllocator& standard_ = *cv::Mat::getStdAllocator();
+};
+
+thread_local std::size_t BoundedAllocator::most_ = SIZE_MAX;
+
 }  // namespace
 
 bool IsCompleteJpeg(std::string_view bytes) {
@@ -60,6 +108,8 @@ Result<cv::Mat> DecodeImage(std::string_view bytes) {
   }
   try {
     const cv::Mat wrapped(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    BoundedAllocator::Install();
+    const BoundedAllocator::Bound bound(kMostBytesOfSmall + kMostExpansion * bytes.size());
     cv::Mat image = cv::imdecode(wrapped, cv::IMREAD_UNCHANGED);
     if (image.empty()) {
       return InvalidArgument("cannot be decoded: damaged, cut short or of a kind that is not supported (" +
@@ -72,6 +122,9 @@ Result<cv::Mat> DecodeImage(std::string_view bytes) {
                              std::to_string(image.depth()) + ", expected 1, 3 or 4 of 8 or 16 bits");
     }
     return image;
+  } catch (const TooLarge& size) {
+    return InvalidArgument("says that it has " + std::to_string(size.width) + "x" + std::to_string(size.height) +
+                           " pixels, which its " + std::to_string(bytes.size()) + " bytes cannot hold: damaged");
   } catch (const cv::Exception& error) {
     if (error.code == cv::Error::StsNoMem) return Unavailable("no memory to decode it");
     return InvalidArgument(std::string("cannot be decoded: ") + error.what());

@@ -101,6 +101,7 @@ Result<PlannedJob> PlanRendering(const v1::SubmitJob& request) {
   job.config.sequence_file = request.sequence().file();
   DEPTHFARM_RETURN_IF_ERROR(CheckText("sequence name", job.config.sequence_name, kMaxNameBytes));
   DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath("sequence file", job.config.sequence_file));
+  DEPTHFARM_RETURN_IF_ERROR(CheckText("sequence file", job.config.sequence_file, kMaxPathBytes));
   job.config.resolved = PartsOnly(NumParts(job.views.size()));
   return job;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/media/colour_map.h"
+#include "common/media/grey_picture.h"
 #include "common/media/image_codec.h"
 #include "tests/support/temporary_folder.h"
 
@@ -187,6 +188,19 @@ TEST(ToRgb, UndoesTheConversionUpToRounding) {
       EXPECT_NEAR(rgb(x, y).b, pixel[0], 2);
     }
   }
+}
+
+TEST(DecodeImage, TakesNoMemoryForPixelsThatAFileCannotHold) {
+  for (const char* header : {"P5 30000 30000 255\n", "P6 32000 32000 65535\n", "Pf\n5294 120602\n-1\n"}) {
+    const auto grey = DecodeGrey(std::string(header) + "0123456789");
+    EXPECT_EQ(grey.status().code(), ErrorCode::kInvalidArgument) << header;
+    EXPECT_THAT(grey.status().message(), HasSubstr("bytes cannot hold")) << header;
+  }
+}
+
+TEST(DecodeImage, TakesLargePicturesOfOneColour) {
+  const Grid<std::uint8_t> white(9000, 9000, 255);  // 81 MB in some 80 KB
+  EXPECT_EQ(DecodeGrey(EncodeGreyPng(white).value()).value().values(8999, 8999), 255);
 }
 
 }  // namespace

@@ -71,6 +71,9 @@ TEST(Submission, RenderingJobsOfNothingOrNowhereAreRefused) {
   request.mutable_sequence()->set_file("line.json");
   EXPECT_EQ(PlanSubmission(request, JobId(5)).status().code(), ErrorCode::kInvalidArgument);
   request = RenderRequest(2);
+  request.mutable_sequence()->set_file("/in/line\n.json");  // workers would refuse it
+  EXPECT_EQ(PlanSubmission(request, JobId(5)).status().code(), ErrorCode::kInvalidArgument);
+  request = RenderRequest(2);
   request.mutable_render()->mutable_source()->set_depth_dir("");
   EXPECT_EQ(PlanSubmission(request, JobId(5)).status().code(), ErrorCode::kInvalidArgument);
 }
