@@ -76,7 +76,9 @@ int main(int argc, char** argv) {
       "--journal", journal,
       "SQLite file in which jobs outlive the coordinator, or none; default: depthfarm/coordinator.sqlite in\n"
       "$XDG_STATE_HOME or ~/.local/state");
-  app.add_option("--keep-jobs", options.kept_jobs, "how many jobs that ended are remembered")->capture_default_str();
+  app.add_option("--keep-jobs", options.kept_jobs, "how many jobs that ended are remembered")
+      ->check(CLI::PositiveNumber)  // or -1 would be a number of 20 digits
+      ->capture_default_str();
   app.add_option("--check-journal", check_journal, "check such a file, say what is in it, and end");
   app.add_option("--log-level", log_level, "debug, info, warning, error or off")->capture_default_str();
   app.set_version_flag("--version", "depthfarm-coordinator " DEPTHFARM_VERSION);

@@ -125,6 +125,12 @@ int RunWorker(WorkerOptions options) {
 
 int main(int argc, char** argv) {
   using namespace depthfarm;  // NOLINT(google-build-using-namespace): the program's own
+  // CLI11 takes -1 for a size of 20 digits. The transform that is named last is the first to see the text.
+  const CLI::Validator no_minus(
+      [](const std::string& text) {
+        return text.find('-') == std::string::npos ? "" : "is '" + text + "', expected a size such as 20GB";
+      },
+      "SIZE");
   CLI::App app(
       "Worker of a depthfarm: leases tasks from a coordinator, computes them, serves its artifacts to other workers.");
   app.set_version_flag("--version", std::string(DEPTHFARM_VERSION));
@@ -145,9 +151,11 @@ int main(int argc, char** argv) {
   app.add_option("--cache-size", options.cache_bytes,
                  "bound of that folder, e.g. 20GB; of a shared one the same for all")
       ->transform(CLI::AsSizeValue(false))
+      ->transform(no_minus)
       ->default_str("8GB");
   app.add_option("--memory", options.memory_bytes, "bound of the decoded artifacts kept in memory, e.g. 4GB")
       ->transform(CLI::AsSizeValue(false))
+      ->transform(no_minus)
       ->default_str("2GB");
   app.add_option("--slots", options.slots, "tasks computed at a time; they share cache and memory")
       ->check(CLI::Range(1, kMaxWorkerSlots))
@@ -159,7 +167,8 @@ int main(int argc, char** argv) {
          "--task-memory", options.task_memory_bytes,
          "memory for tasks: a task whose predicted need does not fit beside the others goes elsewhere or waits; "
          "default: that of the machine or its control group, less --memory, which is right for one worker on a host")
-      ->transform(CLI::AsSizeValue(false));
+      ->transform(CLI::AsSizeValue(false))
+      ->transform(no_minus);
   app.add_option("--path-map", path_map,
                  "what jobs name below FROM is below TO on this host, e.g. /shared=/mnt/nas; may be repeated: the "
                  "longest FROM counts")

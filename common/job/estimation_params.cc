@@ -68,8 +68,9 @@ Status EstimationParams::Validate() const {
   if (end_frame != -1 && end_frame <= first_frame) {
     return OutOfRange("frames: end", end_frame, "more than the first, " + std::to_string(first_frame));
   }
-  const std::set<std::string> distinct(views.begin(), views.end());
-  if (distinct.size() != views.size()) return InvalidArgument("views names a camera twice");
+  std::set<std::string> distinct;
+  for (const std::string& view : views)
+    if (!distinct.insert(view).second) return InvalidArgument("views names camera '" + view + "' twice");
   return {};
 }
 

@@ -248,7 +248,8 @@ Result<ResolvedJob> ResolveJob(const Sequence& sequence, const EstimationParams&
                              DepthLevels::Create(job.reference, job.params.z_near, job.params.z_far, most_levels));
   const std::vector<std::vector<int>> neighbours = ChooseNeighbours(cameras, planes, params.neighbours);
   for (std::size_t i = 0; i < job.views.size(); ++i) {
-    DEPTHFARM_RETURN_IF_ERROR(OwnDepthRange(cameras[i], planes).status());
+    const Status seen = OwnDepthRange(cameras[i], planes).status();
+    if (!seen.ok()) return Status(seen.code(), seen.message() + "; the reference is '" + job.reference.name + "'");
     job.views[i].neighbours = neighbours[i];
     if (neighbours[i].empty()) {
       return InvalidArgument("camera '" + cameras[i].name +

@@ -20,20 +20,55 @@ class DuplicateKeyCheck {
  public:
   void Handle(int depth, Json::parse_event_t event, const Json& parsed) {
     if (depth > kMaxNesting) throw Refused{"nested deeper than " + std::to_string(kMaxNesting) + " levels"};
-    if (event == Json::parse_event_t::object_start) {
-      open_.emplace_back();
-    } else if (event == Json::parse_event_t::object_end) {
-      open_.pop_back();
-    } else if (event == Json::parse_event_t::key) {
-      if (!open_.back().insert(parsed.get_ref<const std::string&>()).second) {
-        throw Refused{"key " + Shortened(parsed) + " is given twice in one object (object " +
-                      std::to_string(open_.size()) + " levels deep)"};
+    switch (event) {
+      case Json::parse_event_t::object_start:
+      case Json::parse_event_t::array_start:
+        CountInArray();
+        open_.push_back({.is_array = event == Json::parse_event_t::array_start});
+        break;
+      case Json::parse_event_t::object_end:
+      case Json::parse_event_t::array_end:
+        open_.pop_back();
+        break;
+      case Json::parse_event_t::key: {
+        const auto& key = parsed.get_ref<const std::string&>();
+        if (!open_.back().keys.insert(key).second)
+          throw Refused{Where() + "key " + Shortened(parsed) + " is given twice"};
+        open_.back().key = key;
+        break;
       }
+      case Json::parse_event_t::value:
+        CountInArray();
+        break;
     }
   }
 
  private:
-  std::vector<std::set<std::string>> open_;
+  struct Open {
+    bool is_array = false;
+    std::size_t entries = 0;  // of an array, so far
+    std::set<std::string> keys = {};
+    std::string key = {};  // of an object: the last
+  };
+
+  void CountInArray() {
+    if (!open_.empty() && open_.back().is_array) ++open_.back().entries;
+  }
+
+  // "cameras[2].format: ", the innermost object that is open; nothing at the top.
+  [[nodiscard]] std::string Where() const {
+    std::string where;
+    for (std::size_t i = 0; i + 1 < open_.size(); ++i) {
+      if (open_[i].is_array) {
+        where += "[" + std::to_string(open_[i].entries - 1) + "]";
+      } else {
+        where += (where.empty() ? "" : ".") + open_[i].key;
+      }
+    }
+    return where.empty() ? "" : where + ": ";
+  }
+
+  std::vector<Open> open_;
 };
 
 // nlohmann's messages begin with "[json.exception.parse_error.101] ", which says nothing to a user.
@@ -67,6 +102,7 @@ bool HasControlCharacter(std::string_view text) {
 }
 
 Result<Json> ParseStrictJson(std::string_view text) {
+  if (text.empty()) return InvalidArgument("is empty, expected JSON");
   DuplicateKeyCheck check;
   const auto callback = [&check](int depth, Json::parse_event_t event, Json& parsed) {
     check.Handle(depth, event, parsed);

@@ -89,7 +89,8 @@ Result<std::string> ReadSecretKey(const std::filesystem::path& file) {
 Result<std::string> ReadPublicKey(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::string line;
-  if (!stream || !std::getline(stream, line)) return InvalidArgument("cannot read key " + file.string());
+  if (!stream) return InvalidArgument("cannot read key " + file.string() + ": " + ErrnoText());
+  std::getline(stream, line);  // an empty file is no key file
   return KeyOf(file, line);
 }
 

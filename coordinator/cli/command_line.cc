@@ -395,6 +395,18 @@ constexpr auto kCommands = std::to_array<Command>({
     {"keygen", "Make the keys of a farm", DefineKeygen},
 });
 
+bool IsCommand(const std::string& word) {
+  return IsMediaCommand(word) ||
+         std::ranges::any_of(kCommands, [&](const Command& command) { return word == command.name; });
+}
+
+std::string UnknownCommand(const std::string& word) {
+  std::string text = "depthfarm: there is no command '" + word + "'; there are";
+  for (const auto& command : kCommands) text += std::string(" ") + command.name;
+  for (const MediaCommand& media : kMediaCommands) text += std::string(" ") + media.name;
+  return text + "; see depthfarm --help\n";
+}
+
 }  // namespace
 
 bool IsMediaCommand(const std::string& command) {
@@ -413,6 +425,9 @@ std::variant<CommandArguments, CommandLineExit> ParseCommandLine(const std::vect
     kCommands[i].define(*commands[i], arguments[i]);
   }
   for (const MediaCommand& media : kMediaCommands) app.add_subcommand(media.name, media.summary);
+  // CLI11 would only say that it wants a subcommand.
+  if (!words.empty() && !words[0].starts_with("-") && !IsCommand(words[0]))
+    return CommandLineExit{kExitBadInput, "", UnknownCommand(words[0])};
   try {
     std::vector<std::string> reversed(words.rbegin(), words.rend());  // the order CLI11 asks for
     app.parse(std::move(reversed));

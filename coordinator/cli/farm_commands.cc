@@ -1,7 +1,9 @@
 #include <chrono>
 #include <iostream>
 
+#include "common/files/writable_folder.h"
 #include "common/transport/farm_keys.h"
+#include "common/wire/bounds.h"
 #include "coordinator/cli/commands.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/fetch_session.h"
@@ -55,6 +57,7 @@ int FailAsking(const Status& status) {
 
 int Execute(const SubmitArguments& arguments) {
   CatchInterruptions();
+  if (const auto tags = CheckTags("--require", arguments.required_tags); !tags.ok()) return Fail(tags.status());
   if (arguments.upload) return SubmitWithUploads(arguments);
   Result<JobRequest> request =
       arguments.job.output_dir.empty() ? ReadJobRequest(arguments.job) : PrepareJobRequest(arguments.job);
@@ -166,6 +169,7 @@ int Execute(const DrainArguments& arguments) {
 }
 
 int Execute(const KeygenArguments& arguments) {
+  if (const Status writable = CheckWritableFolder(arguments.output_dir); !writable.ok()) return Fail(writable);
   const Status created = CreateFarmKeys(arguments.output_dir);
   if (!created.ok()) return Fail(created);
   std::cout << "keys of a farm are in " << arguments.output_dir << "\n"

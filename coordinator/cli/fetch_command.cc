@@ -1,6 +1,7 @@
 #include <chrono>
 #include <iostream>
 
+#include "common/files/writable_folder.h"
 #include "coordinator/cli/commands.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/fetch_session.h"
@@ -16,6 +17,7 @@ constexpr std::chrono::milliseconds kRoundInterval{1000};
 
 int Execute(const FetchArguments& arguments) {
   CatchInterruptions();
+  if (const Status writable = CheckWritableFolder(arguments.output_dir); !writable.ok()) return Fail(writable);
   const StopOnInterruption stop;
   TransportContext context;
   const Result<std::unique_ptr<ArtifactClient>> peers = PeersOf(arguments.farm, context);

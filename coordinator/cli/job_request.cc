@@ -1,7 +1,11 @@
 #include "coordinator/cli/job_request.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
+#include <system_error>
 
 #include "common/sequence/guides.h"
 #include "common/sequence/output_layout.h"
@@ -47,9 +51,18 @@ std::string GuidesText(const ResolvedJob& job) {
   return text;
 }
 
-Status NoPicture(const std::string& camera, int frame, const std::string& file, const std::string& reason) {
-  return InvalidArgument("camera '" + camera + "', frame " + std::to_string(frame) + ": picture " + file + ": " +
-                         reason);
+// What can be said of a file without decoding it. `what`: picture or mask.
+Status CheckFile(const std::string& camera, int frame, const char* what, const std::string& file) {
+  const auto bad = [&](const std::string& reason) {
+    return InvalidArgument("camera '" + camera + "', frame " + std::to_string(frame) + ": " + what + " " + file + ": " +
+                           reason);
+  };
+  std::error_code error;
+  const bool regular = std::filesystem::is_regular_file(file, error);
+  if (!regular) return bad(error ? error.message() : "not a regular file");
+  if (::access(file.c_str(), R_OK) != 0) return bad(std::generic_category().message(errno));
+  if (std::filesystem::file_size(file, error) == 0) return bad("is empty");
+  return {};
 }
 
 }  // namespace
@@ -61,10 +74,10 @@ Status CheckPictures(const Sequence& sequence, const ResolvedJob& job) {
       const auto source = std::ranges::find(sequence.cameras, view.camera.name,
                                             [](const SequenceCamera& camera) { return camera.camera.name; });
       if (source == sequence.cameras.end() || sequence_frame >= static_cast<int>(source->images.size())) continue;
-      const std::string& file = source->images[static_cast<std::size_t>(sequence_frame)];
-      std::error_code error;
-      if (std::filesystem::is_regular_file(file, error)) continue;
-      return NoPicture(view.camera.name, sequence_frame, file, error ? error.message() : "not a regular file");
+      const auto position = static_cast<std::size_t>(sequence_frame);
+      DEPTHFARM_RETURN_IF_ERROR(CheckFile(view.camera.name, sequence_frame, "picture", source->images[position]));
+      if (position >= source->masks.size() || source->masks[position].empty()) continue;
+      DEPTHFARM_RETURN_IF_ERROR(CheckFile(view.camera.name, sequence_frame, "mask", source->masks[position]));
     }
   }
   return {};
@@ -106,14 +119,16 @@ Result<JobRequest> ReadJobRequest(const JobArguments& arguments) {
   DEPTHFARM_ASSIGN_OR_RETURN(request.sequence,
                              ReadSequence(arguments.sequence, {.allow_outside = arguments.allow_outside}));
   DEPTHFARM_RETURN_IF_ERROR(AddGuides(request.params, request.sequence));
-  DEPTHFARM_ASSIGN_OR_RETURN(request.resolved, ResolveJob(request.sequence, request.params));
+  auto resolved = ResolveJob(request.sequence, request.params);
+  if (!resolved.ok()) return resolved.status().WithContext(request.sequence.file);
+  request.resolved = std::move(resolved).value();
   DEPTHFARM_RETURN_IF_ERROR(CheckPictures(request.sequence, request.resolved));
   return request;
 }
 
 Result<JobRequest> PrepareJobRequest(const JobArguments& arguments) {
   DEPTHFARM_ASSIGN_OR_RETURN(JobRequest request, ReadJobRequest(arguments));
-  if (arguments.output_dir.empty()) return InvalidArgument("output folder '': is none");
+  if (arguments.output_dir.empty()) return InvalidArgument("output folder '': expected the path of a folder");
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(arguments.output_dir, error);
   if (error) return InvalidArgument("output folder " + arguments.output_dir + ": " + error.message());

@@ -18,14 +18,15 @@ struct JobRequest {
   std::string output_dir;  // absolute
 };
 
-// Reads sequence and parameters, resolves the job and looks at every picture of its frames; the output folder is left
+// Reads sequence and parameters, resolves the job and looks at every picture and mask of its frames; the output folder is left
 // out. Errors (kInvalidArgument): whatever is wrong with any of them, naming option, or file, camera and frame.
 [[nodiscard]] Result<JobRequest> ReadJobRequest(const JobArguments& arguments);
 
 // The same, and looks at the output folder.
 [[nodiscard]] Result<JobRequest> PrepareJobRequest(const JobArguments& arguments);
 
-// That every picture of the job's views and frames is a regular file. kInvalidArgument names file, camera and frame.
+// That every picture and mask of the job's views and frames is a regular file that can be read and is not empty.
+// kInvalidArgument names file, camera and frame.
 [[nodiscard]] Status CheckPictures(const Sequence& sequence, const ResolvedJob& job);
 
 // That depth may be written below `output_dir`: it is not there yet, or a folder that holds no depth but ours.

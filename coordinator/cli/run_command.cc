@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "common/files/atomic_file.h"
+#include "common/files/writable_folder.h"
 #include "coordinator/cli/commands.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/interruption.h"
@@ -40,6 +41,8 @@ int Execute(const RunArguments& arguments) {
   CatchInterruptions();
   const Result<JobRequest> request = PrepareJobRequest(arguments.job);
   if (!request.ok()) return Fail(request.status());
+  // The workers are on this machine too: what they could not write is not worth computing.
+  if (const Status writable = CheckWritableFolder(request->output_dir); !writable.ok()) return Fail(writable);
   const Result<LocalJob> job = RunLocally(*request, arguments.farm);
   if (!job.ok() && Interrupted()) {
     std::cerr << "depthfarm: interrupted, the job was cancelled\n";

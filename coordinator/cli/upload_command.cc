@@ -3,6 +3,7 @@
 #include <iostream>
 #include <optional>
 
+#include "common/files/writable_folder.h"
 #include "coordinator/cli/commands.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/fetch_session.h"
@@ -100,6 +101,10 @@ class UploadedJob {
 int SubmitWithUploads(const SubmitArguments& arguments) {
   Result<JobRequest> request = ReadJobRequest(arguments.job);
   if (!request.ok()) return Fail(request.status());
+  if (!arguments.job.output_dir.empty()) {
+    const Status writable = CheckWritableFolder(arguments.job.output_dir);
+    if (!writable.ok()) return Fail(writable);
+  }
   const Result<std::unique_ptr<Client>> client = ConnectTo(arguments.farm);
   if (!client.ok()) return FailAsking(client.status());
   std::cerr << DescribeJob(request->resolved) << "\n";

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/files/atomic_file.h"
+#include "common/files/writable_folder.h"
 #include "common/media/colour_map.h"
 #include "common/media/depth_file.h"
 #include "common/sequence/depth_manifest.h"
@@ -43,6 +44,19 @@ Status WritePng(const std::filesystem::path& path, const RgbImage& picture) {
   return WriteFileAtomically(path.string(), png);
 }
 
+// Before anything is written.
+Status CheckFilesAreThere(const std::filesystem::path& depth_dir, const DepthManifest& manifest) {
+  for (const DepthManifestCamera& camera : manifest.cameras) {
+    for (const DepthManifestFile& file : camera.files) {
+      std::error_code error;
+      if (std::filesystem::is_regular_file(depth_dir / file.path, error)) continue;
+      return InvalidArgument((depth_dir / file.path).string() + " of camera '" + camera.camera.name +
+                             "' is missing: see depthfarm verify " + depth_dir.string());
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Status RunColour(const ColourCommandOptions& options, std::ostream& out) {
@@ -50,6 +64,8 @@ Status RunColour(const ColourCommandOptions& options, std::ostream& out) {
   if (manifest.cameras.empty() || manifest.cameras.front().files.empty()) {
     return InvalidArgument(options.depth_dir + ": depth.json lists no depth maps");
   }
+  DEPTHFARM_RETURN_IF_ERROR(CheckWritableFolder(options.output));
+  DEPTHFARM_RETURN_IF_ERROR(CheckFilesAreThere(options.depth_dir, manifest));
   DEPTHFARM_ASSIGN_OR_RETURN(const DepthCode range, SharedRange(options.depth_dir, manifest));
   const std::filesystem::path output(options.output);
   std::vector<RgbImage> sheet;

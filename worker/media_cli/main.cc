@@ -118,7 +118,10 @@ void AddScene(CLI::App* command, Action* action) {
       ->default_str("640x480")
       ->type_name("WxH");
   command->add_option("--frames", options->frames, "Number of frames")->capture_default_str()->type_name("F");
-  command->add_option("--seed", options->seed, "Same seed, same scene")->capture_default_str()->type_name("S");
+  command->add_option("--seed", options->seed, "Same seed, same scene")
+      ->check(CLI::NonNegativeNumber)  // or -1 would be a number of 20 digits
+      ->capture_default_str()
+      ->type_name("S");
   command->add_option("--noise", options->noise, "Standard deviation of the sensor noise, grey levels; 0 = none")
       ->capture_default_str()
       ->type_name("SIGMA");
@@ -213,6 +216,7 @@ void AddSynthesize(CLI::App* command, Action* action) {
       ->delimiter(',')
       ->type_name("A,B,...");
   command->add_option("--steps", options->steps, "Pictures of the path (default: one per frame, 60 of a single frame)")
+      ->check(CLI::PositiveNumber)  // 0 would mean the default
       ->type_name("N");
   command
       ->add_option_function<std::vector<std::string>>(

@@ -7,6 +7,7 @@
 #include "common/files/atomic_file.h"
 #include "common/files/open_file.h"
 #include "common/files/pending_file.h"
+#include "common/files/writable_folder.h"
 #include "common/media/colour_map.h"
 #include "common/media/raw_picture.h"
 #include "common/sequence/frame_name.h"
@@ -73,7 +74,10 @@ Result<std::unique_ptr<PictureSink>> OpenPictureSink(const std::string& output, 
   const std::string extension = path.extension().string();
   if (extension == ".yuv" || extension == ".mp4") {
     const std::filesystem::path folder = path.parent_path();
-    if (!folder.empty()) DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder.string()));
+    if (!folder.empty()) {
+      DEPTHFARM_RETURN_IF_ERROR(CheckWritableFolder(folder.string()));
+      DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder.string()));
+    }
   }
   if (extension == ".mp4") {
     DEPTHFARM_ASSIGN_OR_RETURN(Mp4File file, Mp4File::Create(output, EvenSide(format.width), EvenSide(format.height),
@@ -90,6 +94,7 @@ Result<std::unique_ptr<PictureSink>> OpenPictureSink(const std::string& output, 
       return InvalidArgument("output '" + output + "': expected FILE.mp4, FILE.yuv or a folder for PNG pictures");
     }
   }
+  DEPTHFARM_RETURN_IF_ERROR(CheckWritableFolder(output));
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(output));
   return std::unique_ptr<PictureSink>(std::make_unique<PngFolder>(path));
 }

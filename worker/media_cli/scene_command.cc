@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/files/atomic_file.h"
+#include "common/files/writable_folder.h"
 #include "common/geometry/neighbours.h"
 #include "common/media/colour_map.h"
 #include "common/media/grey_picture.h"
@@ -134,6 +135,7 @@ Status ValidateSceneOptions(const SceneCommandOptions& options) {
 
 Status RunScene(const SceneCommandOptions& options) {
   DEPTHFARM_RETURN_IF_ERROR(ValidateSceneOptions(options));
+  DEPTHFARM_RETURN_IF_ERROR(CheckWritableFolder(options.output).WithContext("scene"));
   DEPTHFARM_ASSIGN_OR_RETURN(const ArrayKind kind, ParseArrayKind(options.kind));
   const std::vector<Camera> cameras = MakeArray(kind, options.cameras, options.width, options.height, options.seed);
   const Scene scene = MakeScene(options.seed);

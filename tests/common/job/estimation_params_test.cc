@@ -94,7 +94,7 @@ TEST(EstimationParams, RefusesValuesOutsideTheirBoundsByName) {
       {[](EstimationParams& p) {
          p.views = {"a", "b", "a"};
        },
-       "views names a camera twice"},
+       "views names camera 'a' twice"},
   };
   for (const Setting& setting : bad) {
     EstimationParams params;
