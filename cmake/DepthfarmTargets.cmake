@@ -23,6 +23,14 @@ if(DEPTHFARM_SANITIZE)
     -fno-sanitize-recover=all)
   target_link_options(depthfarm_options INTERFACE -fsanitize=${DEPTHFARM_SANITIZE})
 endif()
+if(DEPTHFARM_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "DEPTHFARM_FUZZ needs clang: cmake --preset fuzz")
+  endif()
+  target_compile_options(depthfarm_options INTERFACE -fsanitize=fuzzer-no-link,address,undefined
+    -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(depthfarm_options INTERFACE -fsanitize=address,undefined)
+endif()
 
 # depthfarm_library(NAME SOURCES a.cc ... PUBLIC targets... PRIVATE targets...) defines depthfarm::NAME.
 # A library without sources is header-only.

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs what depthfarm needs on Debian 12 (why each package: docs/dependencies.md).
-# usage: install-deps.sh [build|test|arm64 [FOLDER]]
+# usage: install-deps.sh [build|test|fuzz|arm64 [FOLDER]]
 #   build   compile and run (default)
 #   test    the test suite as well
+#   fuzz    that, and what deploy/fuzz.sh needs
 #   arm64   cross builds for 64-bit ARM: compiler and emulator, and the libraries of `test` for arm64 in FOLDER (default:
 #           build/sysroot-arm64, where the preset arm64 looks; 1.1 GB)
 set -euo pipefail
@@ -19,13 +20,17 @@ build_libraries=(
 )
 test_tools=(python3-matplotlib python3-scipy)
 test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev libopencv-calib3d-dev)
+fuzz_tools=(clang libclang-rt-14-dev)
 arm64_tools=(g++-aarch64-linux-gnu mmdebstrap qemu-user)
 
+build_packages=(g++ "${build_tools[@]}" "${build_libraries[@]}")
+test_packages=("${build_packages[@]}" "${test_tools[@]}" "${test_libraries[@]}")
 case "${1:-build}" in
-  build) packages=(g++ "${build_tools[@]}" "${build_libraries[@]}") ;;
-  test) packages=(g++ "${build_tools[@]}" "${build_libraries[@]}" "${test_tools[@]}" "${test_libraries[@]}") ;;
+  build) packages=("${build_packages[@]}") ;;
+  test) packages=("${test_packages[@]}") ;;
+  fuzz) packages=("${test_packages[@]}" "${fuzz_tools[@]}") ;;
   arm64) packages=("${build_tools[@]}" "${arm64_tools[@]}") ;;
-  *) echo "usage: install-deps.sh [build|test|arm64 [FOLDER]]" >&2; exit 2 ;;
+  *) echo "usage: install-deps.sh [build|test|fuzz|arm64 [FOLDER]]" >&2; exit 2 ;;
 esac
 
 install_missing() {

@@ -18,7 +18,6 @@ constexpr double kContent = 1.3;
 
 constexpr double kNano = 1e-9;
 constexpr double kMicro = 1e-6;
-constexpr double kMebi = 1024.0 * 1024.0;
 
 // Analyse. Reading, digest and decoding are of the picture as it is, all else of the downscaled one: 230 to 290 ns a
 // pixel together, where nothing is downscaled.

@@ -21,7 +21,8 @@ Fetch::Fetch(Peers& peers, const FetchOptions& options, const ArtifactInfo& arti
     const auto same = [&](const Candidate& candidate) { return candidate.location == location; };
     if (std::ranges::none_of(candidates_, same)) candidates_.push_back({location, peers_.Postponed(location)});
   }
-  std::ranges::stable_partition(candidates_, [](const Candidate& candidate) { return !candidate.last_chance; });
+  std::stable_partition(candidates_.begin(), candidates_.end(),
+                        [](const Candidate& candidate) { return !candidate.last_chance; });
   failure_ = Status(ErrorCode::kUnavailable, locations.empty() ? "held by no worker" : "");
 }
 
