@@ -6,8 +6,8 @@
 #include <sys/mount.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
+#include <system_error>
 
 #include "tests/system/bad_input.h"
 
@@ -56,7 +56,7 @@ class Mounted {
     const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
                          ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
                          ::mount("tmpfs", folder.c_str(), "tmpfs", 0, options) == 0;
-    if (!mounted) problem_ = std::strerror(errno);
+    if (!mounted) problem_ = std::generic_category().message(errno);
   }
   ~Mounted() {
     if (problem_.empty()) ::umount(folder_.c_str());
