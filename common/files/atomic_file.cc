@@ -78,6 +78,13 @@ Status WriteFileAtomically(const std::string& path, std::string_view bytes, Dura
   return WriteFileAtomically(path, std::span(&bytes, 1), durability);
 }
 
+Status WriteFileAtomically(const std::string& path, std::string_view bytes, const std::function<Status()>& last_look) {
+  PendingFile file(path);
+  DEPTHFARM_RETURN_IF_ERROR(WriteAll(file.temporary(), std::span(&bytes, 1), Durability::kCached));
+  DEPTHFARM_RETURN_IF_ERROR(last_look());
+  return file.Commit();
+}
+
 Status WriteFileAtomically(const std::string& path, std::span<const std::string_view> pieces, Durability durability) {
   PendingFile file(path);
   DEPTHFARM_RETURN_IF_ERROR(WriteAll(file.temporary(), pieces, durability));

@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_FILES_ATOMIC_FILE_H_
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -25,6 +26,9 @@ enum class Durability {
 // Errors  kUnavailable, naming the path and the system's reason; the temporary file is removed.
 [[nodiscard]] Status WriteFileAtomically(const std::string& path, std::string_view bytes,
                                          Durability durability = Durability::kCached);
+// The same; the file is renamed only if `last_look`, right before, returns ok.
+[[nodiscard]] Status WriteFileAtomically(const std::string& path, std::string_view bytes,
+                                         const std::function<Status()>& last_look);
 // The same of several pieces, one after the other.
 [[nodiscard]] Status WriteFileAtomically(const std::string& path, std::span<const std::string_view> pieces,
                                          Durability durability = Durability::kCached);

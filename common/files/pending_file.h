@@ -7,6 +7,9 @@
 
 namespace depthfarm {
 
+// The end of a name that no other process, of whatever host, and no other call makes.
+[[nodiscard]] std::string UniqueSuffix();
+
 // A file that is written under a temporary name beside `path` and gets its own when it is whole: a reader sees the old
 // file, the new one or none. Dies without Commit: the temporary file is removed. Makes nothing itself; who writes
 // closes before Commit. One owner.
@@ -18,7 +21,7 @@ class PendingFile {
   ~PendingFile();
 
   [[nodiscard]] const std::string& path() const { return path_; }
-  // Distinct among the processes of a host and the pending files of a process.
+  // Distinct among all processes that share the folder.
   [[nodiscard]] const std::string& temporary() const { return temporary_; }
 
   // Errors  kUnavailable, naming the path and the system's reason: it cannot be renamed.

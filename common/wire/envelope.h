@@ -11,7 +11,7 @@
 namespace depthfarm {
 
 // Both ends must speak the same: raised by any change of proto/ that an older end would misread.
-inline constexpr std::uint32_t kProtocolVersion = 7;
+inline constexpr std::uint32_t kProtocolVersion = 8;
 
 // The bytes of one message; sets protocol_version.
 [[nodiscard]] std::string SerializeEnvelope(v1::Envelope envelope);

@@ -20,6 +20,7 @@ std::string IdentityOf(const JobConfig& config) {
   JobConfig job = config;
   job.job = JobId();
   job.sequence_file.clear();
+  job.claim = 0;
   return Hex(Sha256(ToProto(job).SerializeAsString()));
 }
 

@@ -165,7 +165,8 @@ void Scheduler::On(const TaskFailed& event) {
   if (!lease) return;
   const ErrorCode code = event.error.code();
   const bool given_back = code == ErrorCode::kLeaseExpired || code == ErrorCode::kCancelled;
-  if (const auto told = worker->told_jobs.find(event.task.job); given_back && told != worker->told_jobs.end())
+  const auto told = worker->told_jobs.find(event.task.job);
+  if (code == ErrorCode::kLeaseExpired && told != worker->told_jobs.end())
     told->second = false;  // that may be why: it is told again
   AddEnd(event.lease, event.task, given_back ? AttemptOutcome::kGivenBack : AttemptOutcome::kFailed, event.error);
   JobRecord* job = FindJob(event.task.job);

@@ -154,6 +154,7 @@ class Scheduler {
   void Rebalance(std::vector<WorkerId> idle_workers);
   [[nodiscard]] std::vector<LeaseId> LeasesToAskBack() const;
   // True if there is one of the idle workers for the task, who then is no longer among them.
+  [[nodiscard]] bool MayBeAskedBack(LeaseId id, const Lease& lease) const;
   [[nodiscard]] bool AskBackFor(LeaseId lease, std::vector<WorkerId>& idle_workers);
   void EndJob(JobId id, JobState state);
   // Workers with such room, longest waiting first.

@@ -1,5 +1,6 @@
 // What waits behind the slots of one worker while a slot of another is idle.
 #include <algorithm>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -13,14 +14,24 @@ namespace depthfarm {
 void Scheduler::Rebalance(std::vector<WorkerId> idle_workers) {
   for (const auto& [id, worker] : workers_.workers()) {
     for (const LeaseId lease : workers_.BehindSlots(worker)) {
-      if (const auto& idle = workers_.FindLease(lease)->asked_back_for) std::erase(idle_workers, *idle);
+      const Lease& asked = *workers_.FindLease(lease);
+      // Not for ever: the question or its answer may be lost.
+      if (asked.asked_back_for && now_ - asked.asked_back_at < options_.lease / 2)
+        std::erase(idle_workers, *asked.asked_back_for);
     }
   }
   if (idle_workers.empty()) return;
   // Each look costs a pass over the idle workers; where so many found none, the next event looks again.
   std::size_t in_vain = 0;
+  std::set<JobId> nobody_takes;
   for (const LeaseId lease : LeasesToAskBack()) {
-    if (!AskBackFor(lease, idle_workers)) ++in_vain;
+    const JobId job = workers_.leases().at(lease).task.job;
+    if (nobody_takes.contains(job)) continue;
+    if (WhoTakes(jobs_.at(job), idle_workers).empty()) {
+      nobody_takes.insert(job);
+    } else if (!AskBackFor(lease, idle_workers)) {
+      ++in_vain;
+    }
     if (idle_workers.empty() || in_vain == kMaxCandidates) return;
   }
 }
@@ -28,8 +39,10 @@ void Scheduler::Rebalance(std::vector<WorkerId> idle_workers) {
 std::vector<LeaseId> Scheduler::LeasesToAskBack() const {
   std::vector<std::pair<TaskId, LeaseId>> waiting;
   for (const auto& [id, worker] : workers_.workers()) {
-    for (const LeaseId lease : workers_.BehindSlots(worker))
-      waiting.emplace_back(workers_.leases().at(lease).task, lease);
+    for (const LeaseId id_of_lease : workers_.BehindSlots(worker)) {
+      const Lease& lease = workers_.leases().at(id_of_lease);
+      if (MayBeAskedBack(id_of_lease, lease)) waiting.emplace_back(lease.task, id_of_lease);
+    }
   }
   std::map<JobId, std::size_t> turn;
   if (!waiting.empty()) {
@@ -46,18 +59,23 @@ std::vector<LeaseId> Scheduler::LeasesToAskBack() const {
   return leases;
 }
 
+// Once for each attempt of a task.
+bool Scheduler::MayBeAskedBack(LeaseId id, const Lease& lease) const {
+  const Task* task = jobs_.at(lease.task.job).progress->Find(lease.task);
+  return task != nullptr && task->lease == id && task->asked_back != task->failures + 1;
+}
+
 bool Scheduler::AskBackFor(LeaseId id, std::vector<WorkerId>& idle_workers) {
   Lease& lease = *workers_.FindLease(id);
   JobRecord& job = jobs_.at(lease.task.job);
-  Task* task = job.progress->Find(lease.task);
-  if (task == nullptr || task->lease != id || task->asked_back == task->failures + 1) return false;
+  Task& task = *job.progress->Find(lease.task);
   const std::vector<WorkerId> takers = WhoTakes(job, idle_workers);
-  if (takers.empty()) return false;
   const TaskCandidate candidate = CandidateOf(job, lease.task, takers);
   const std::optional<Placement> placement = ChoosePlacement({&candidate, 1}, takers);
   if (!placement) return false;
-  task->asked_back = task->failures + 1;
+  task.asked_back = task.failures + 1;
   lease.asked_back_for = placement->worker;
+  lease.asked_back_at = now_;
   std::erase(idle_workers, placement->worker);
   AddNote(Note::Severity::kInfo, "task_asked_back",
           {{"task", TaskName(lease.task)},

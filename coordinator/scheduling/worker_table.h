@@ -58,6 +58,7 @@ struct Lease {
   std::uint64_t memory_bytes = 0;                                   // that the task is expected to take
   bool revoked = false;  // its result is not wanted; it counts until the worker is known to have stopped
   std::optional<WorkerId> asked_back_for = {};  // the free worker that the task was asked back for
+  TimePoint asked_back_at = {};
 };
 
 // Workers and their leases, kept consistent with each other.

@@ -60,7 +60,7 @@ void Coordinator::Do(const Revoke& action) {
 void Coordinator::Do(const AskBack& action) {
   v1::Envelope envelope;
   envelope.mutable_give_back_task()->set_lease_id(action.lease.value());
-  SendTo(action.worker, envelope);
+  SendTo(action.worker, std::move(envelope));
 }
 
 void Coordinator::Do(const Release& action) {

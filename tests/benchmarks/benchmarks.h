@@ -14,6 +14,9 @@ void RegisterFlowBenchmarks(MeasuredFrames& frames, bool& failed);
 // An artifact of that size moves between processes so many times, in turn with bare ZeroMQ.
 void RegisterTransferBenchmarks(std::size_t artifact_bytes, int rounds, bool& failed);
 
+// A coordinator whose journal has a job of so many frames, half of them done, goes on with it.
+void RegisterRestartBenchmarks(int frames, bool& failed);
+
 }  // namespace depthfarm::benchmarks
 
 #endif  // DEPTHFARM_TESTS_BENCHMARKS_BENCHMARKS_H_

@@ -1,6 +1,7 @@
 // depthfarm-benchmarks: CPU time of the core's stages on a rendered scene, of its maximum flow beside those of others,
-// and the transfer of artifacts beside bare ZeroMQ. Built where Google Benchmark is there, never installed. Takes its
-// options, and --quick: a tiny scene, in seconds, to see that all of it works.
+// the transfer of artifacts beside bare ZeroMQ, and how soon a coordinator goes on with its jobs. Built where Google
+// Benchmark is there, never installed. Takes its options, and --quick: a tiny scene, in seconds, to see that all of it
+// works.
 #include <benchmark/benchmark.h>
 
 #include <string>
@@ -14,6 +15,8 @@ constexpr std::size_t kArtifactBytes = std::size_t{256} << 20;
 constexpr std::size_t kQuickArtifactBytes = std::size_t{9} << 20;
 constexpr int kRounds = 9;
 constexpr int kQuickRounds = 1;
+constexpr int kFrames = 10'000;  // of the job of a coordinator that is started again: 180,000 tasks
+constexpr int kQuickFrames = 50;
 
 // Runs what the words ask for. Without an option of the library's own that says so, --quick spends no time on
 // exactness.
@@ -35,6 +38,7 @@ int Run(std::vector<std::string> words) {
   depthfarm::benchmarks::RegisterFlowBenchmarks(frames, failed);
   depthfarm::benchmarks::RegisterTransferBenchmarks(quick ? kQuickArtifactBytes : kArtifactBytes,
                                                     quick ? kQuickRounds : kRounds, failed);
+  depthfarm::benchmarks::RegisterRestartBenchmarks(quick ? kQuickFrames : kFrames, failed);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
   return failed ? 1 : 0;

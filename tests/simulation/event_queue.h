@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_TESTS_SIMULATION_EVENT_QUEUE_H_
 #define DEPTHFARM_TESTS_SIMULATION_EVENT_QUEUE_H_
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>

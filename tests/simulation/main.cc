@@ -30,10 +30,13 @@ void Print(const simulation::Tally& tally) {
     std::printf("%-22s%llu\n", what, static_cast<unsigned long long>(count));
   };
   std::printf("hours of farm time    %.0f\n", tally.hours);
+  std::printf("longest end, minutes  %.0f\n", tally.longest_end);
   line("task attempts", tally.attempts);
   line("messages", tally.messages);
   line("  lost", tally.messages_lost);
   line("late results", tally.late_results);
+  line("tasks asked back", tally.asked_back);
+  line("  given back", tally.given_back);
   line("worker crashes", tally.worker_crashes);
   line("standstills", tally.standstills);
   line("network cuts", tally.cuts);

@@ -245,7 +245,6 @@ const std::string& SimulatedDisk::vfs() const { return state_->name; }
 void SimulatedDisk::DieAtWrite(int n) { state_->dies_at = n == 0 ? 0 : state_->writes + n; }
 void SimulatedDisk::Die() { state_->dead = true; }
 bool SimulatedDisk::dead() const { return state_->dead; }
-int SimulatedDisk::num_writes() const { return state_->writes; }
 
 void SimulatedDisk::Restart(Loss loss) {
   for (auto& [name, file] : state_->files) {

@@ -28,8 +28,6 @@ class SimulatedDisk {
   void DieAtWrite(int n);
   void Die();
   [[nodiscard]] bool dead() const;
-  // Changes so far.
-  [[nodiscard]] int num_writes() const;
   enum class Loss {
     kProcess,  // the system writes what it had taken
     kPower,    // of each change that was not synced nothing, a part or all is there

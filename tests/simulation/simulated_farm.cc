@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr Milliseconds kTick{200};
 constexpr Milliseconds kSettle{120'000};
-constexpr std::chrono::hours kPatience{24};
+constexpr std::chrono::hours kPatience{4};  // after the last fault: one worker may have a dozen jobs of long tasks to do
 constexpr const char* kCoordinator = "coordinator";
 constexpr int kPatientAttempts = 50;  // so many failures of one task do not come by chance
 
@@ -42,9 +42,12 @@ void Tally::Add(const Tally& other) {
   coordinator_crashes += other.coordinator_crashes;
   torn_writes += other.torn_writes;
   late_results += other.late_results;
+  asked_back += other.asked_back;
+  given_back += other.given_back;
   jobs_done += other.jobs_done;
   jobs_ended_otherwise += other.jobs_ended_otherwise;
   hours += other.hours;
+  longest_end = std::max(longest_end, other.longest_end);
 }
 
 SimulatedFarm::SimulatedFarm(std::uint64_t seed, const Options& options)
@@ -110,7 +113,10 @@ void SimulatedFarm::StartCoordinator() {
     CrashCoordinator(options_.faults.power_fails ? SimulatedDisk::Loss::kPower : SimulatedDisk::Loss::kProcess);
     return;
   }
-  if (!started.ok()) Problem("the coordinator does not start: " + started.message());
+  if (!started.ok()) {
+    Problem("the coordinator does not start: " + started.message());
+    return;
+  }
   for (const auto& worker : workers_) worker->Reconnect();
   Deliver();
 }
@@ -147,6 +153,7 @@ void SimulatedFarm::Deliver() {
     return;
   }
   for (OutgoingMessage& message : coordinator_->TakeOutgoing()) {
+    tally_.asked_back += message.envelope.has_give_back_task() ? 1 : 0;
     const std::string payload = SerializeEnvelope(std::move(message.envelope));
     const std::string host = HostOf(message.peer);
     Trace(host, payload);
@@ -195,15 +202,17 @@ SimulatedWorker& SimulatedFarm::AnyWorker() {
 }
 
 void SimulatedFarm::CrashWorker() {
-  ++tally_.worker_crashes;
   SimulatedWorker& worker = AnyWorker();
+  if (!worker.alive()) return;
+  ++tally_.worker_crashes;
   Narrate(worker.name() + " crashes");
   worker.Crash();
 }
 
 void SimulatedFarm::HangWorker() {
-  ++tally_.standstills;
   SimulatedWorker& worker = AnyWorker();
+  if (!worker.alive()) return;
+  ++tally_.standstills;
   const Milliseconds time(random_.Int(100, 3 * static_cast<int>(Lease().count())));
   Narrate(worker.name() + " stands still for " + std::to_string(time.count()) + " ms");
   worker.Hang(time);
@@ -212,9 +221,10 @@ void SimulatedFarm::HangWorker() {
 void SimulatedFarm::SlowWorker() { AnyWorker().SetSlowness(random_.Chance(50) ? 1 : random_.Int(2, 10)); }
 
 void SimulatedFarm::CutNetwork() {
-  ++tally_.cuts;
   SimulatedWorker& worker = AnyWorker();
   const std::string other = random_.Chance(60) ? kCoordinator : AnyWorker().name();
+  if (other == worker.name()) return;
+  ++tally_.cuts;
   const TimePoint until = events_.now() + Milliseconds(random_.Int(100, 3 * static_cast<int>(Lease().count())));
   const int ways = random_.Int(1, 3);
   Narrate(worker.name() + " and " + other + " are cut off for " +
@@ -295,6 +305,7 @@ void SimulatedFarm::Run() {
     Problem("the farm does not come to an end");
   }
   BeCalm();
+  tally_.longest_end = std::chrono::duration<double, std::ratio<60>>(events_.now() - begin - faults.chaos).count();
   const TimePoint settled = events_.now() + kSettle;
   while (problems_.empty() && events_.RunNext(settled)) {
   }
@@ -302,7 +313,12 @@ void SimulatedFarm::Run() {
   if (problems_.empty()) {
     CheckJobList();
     CheckAttempts();
-    for (const auto& [name, submitter] : submitters_) CheckFolder(*submitter, submitter->ends().back(), true);
+    for (const auto& [name, submitter] : submitters_) {
+      // The last that has the folder.
+      const auto last = std::ranges::find_if(submitter->ends().rbegin(), submitter->ends().rend(),
+                                             [](const JobEnd& job) { return !job.wish.kind.keeps_results; });
+      if (last != submitter->ends().rend()) CheckFolder(*submitter, *last, true);
+    }
   }
   if (problems_.empty()) CheckNothingIsLeft();
   tally_.runs = 1;
@@ -311,7 +327,10 @@ void SimulatedFarm::Run() {
 
 Tally SimulatedFarm::tally() const {
   Tally tally = tally_;
-  for (const auto& worker : workers_) tally.attempts += worker->tasks_begun();
+  for (const auto& worker : workers_) {
+    tally.attempts += worker->tasks_begun();
+    tally.given_back += worker->tasks_given_back();
+  }
   tally.messages = network_.num_sent();
   tally.messages_lost = network_.num_lost();
   if (coordinator_) tally.late_results += coordinator_->scheduler().late_results();
@@ -377,7 +396,7 @@ void SimulatedFarm::CheckFolder(const Submitter& submitter, const JobEnd& end, b
     }
     return;
   }
-  // Files of one job alone: of this one, or of the one before that is still whole.
+  // Files of one job alone: of this one, in part, or of one before.
   std::set<std::string> files;
   for (const auto& [path, bytes] : content) {
     // A Cleanup that no worker could do in time is not waited for.
@@ -386,11 +405,12 @@ void SimulatedFarm::CheckFolder(const Submitter& submitter, const JobEnd& end, b
       Problem(name + ": " + path + " was left behind");
     if (!path.starts_with(".")) files.insert(path);
   }
+  const bool finished = content.contains("depth.json");
   const auto all_of = [&](const FolderContent& whole) {
-    return std::ranges::all_of(files, [&](const std::string& path) {
-      const auto found = whole.find(path);
-      return found != whole.end() && found->second == content.at(path);
-    });
+    return (!finished || files.size() == whole.size()) && std::ranges::all_of(files, [&](const std::string& path) {
+             const auto found = whole.find(path);
+             return found != whole.end() && found->second == content.at(path);
+           });
   };
   bool known = all_of(expected);
   for (const JobEnd& before : submitter.ends())
@@ -489,6 +509,7 @@ FolderContent ReadFolder(const std::string& folder) {
   FolderContent content;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
+    if (entry.is_directory() && fs::is_empty(entry.path())) content[fs::relative(entry.path(), folder).string() + "/"];
     if (!entry.is_regular_file()) continue;
     std::ifstream stream(entry.path(), std::ios::binary);
     std::ostringstream bytes;

@@ -33,9 +33,12 @@ struct Tally {
   std::uint64_t coordinator_crashes = 0;  // of which some
   std::uint64_t torn_writes = 0;          // in a write of the journal
   std::uint64_t late_results = 0;
+  std::uint64_t asked_back = 0;  // tasks that wait behind the slots of a worker
+  std::uint64_t given_back = 0;  // of these
   std::uint64_t jobs_done = 0;
   std::uint64_t jobs_ended_otherwise = 0;
-  double hours = 0;  // of the farm's time
+  double hours = 0;        // of the farm's time
+  double longest_end = 0;  // minutes from the last fault to the end of the last job
 
   void Add(const Tally& other);
 };

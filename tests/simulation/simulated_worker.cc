@@ -158,6 +158,7 @@ void SimulatedWorker::OnMessage(const v1::Envelope& message) {
     case v1::Envelope::kGiveBackTask: {
       const auto task = Find(LeaseId(message.give_back_task().lease_id()));
       if (task == tasks_.end() || task->computing) return;
+      ++tasks_given_back_;
       TaskOutcome outcome;
       outcome.status = Cancelled();
       EndTask(task->lease, outcome);
@@ -468,7 +469,7 @@ void SimulatedWorker::Evict() {
 
 void SimulatedWorker::DamageArtifacts(int percent) {
   for (auto& [key, stored] : store_) {
-    if (around_.random.Chance(percent)) stored.content[0] ^= 1U;
+    if (around_.random.Chance(percent)) stored.content = {};
   }
 }
 

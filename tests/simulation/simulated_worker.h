@@ -65,7 +65,7 @@ class SimulatedWorker {
   // Starts the process; with the store that its last life left.
   void Start();
   void Crash();
-  // As SIGSTOP, until `until`.
+  // As SIGSTOP, for so long.
   void Hang(Milliseconds time);
   void SetSlowness(int factor) { slowness_ = factor; }
   // As SIGTERM.
@@ -88,6 +88,7 @@ class SimulatedWorker {
   [[nodiscard]] std::optional<ContentDigest> Serve(const ArtifactKey& key) const;
   [[nodiscard]] std::string endpoint() const;
   [[nodiscard]] std::uint64_t tasks_begun() const { return tasks_begun_; }
+  [[nodiscard]] std::uint64_t tasks_given_back() const { return tasks_given_back_; }  // as they were asked for
 
  private:
   struct Stored {
@@ -159,6 +160,7 @@ class SimulatedWorker {
   std::vector<ArtifactKey> dropped_;
   std::uint64_t used_ = 0;
   std::uint64_t tasks_begun_ = 0;
+  std::uint64_t tasks_given_back_ = 0;
 };
 
 }  // namespace depthfarm::simulation

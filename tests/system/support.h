@@ -94,6 +94,7 @@ class Farm {
   // Ends the coordinator with this signal and starts another one at the same place, with the same journal. False (and
   // problem()) if that one does not answer.
   [[nodiscard]] bool RestartCoordinator(int signal);
+  void SignalCoordinator(int signal) { coordinator_->Signal(signal); }
   [[nodiscard]] std::string Journal() const { return folder_ / "journal.sqlite"; }
   // Starts a worker, with a folder of its own unless the options name one, and returns its index.
   int AddWorker(const Words& options = {});

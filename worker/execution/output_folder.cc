@@ -1,14 +1,12 @@
 #include "worker/execution/output_folder.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
 #include <system_error>
 #include <utility>
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
+#include "common/files/pending_file.h"
 #include "common/sequence/depth_manifest.h"
 #include "common/sequence/output_layout.h"
 
@@ -18,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kRemoved = ".depthfarm-removed-";
+constexpr const char* kUnfinished = ".tmp-";  // PendingFile
 constexpr std::uint64_t kMaxMarkerBytes = 1000;
 
 std::string MarkerText(std::uint64_t run, bool ready) {
@@ -84,8 +83,7 @@ Result<OutputFolder::Owner> OutputFolder::ReadMarker() const {
 }
 
 Status OutputFolder::WriteMarker(bool ready) const {
-  DEPTHFARM_RETURN_IF_ERROR(CheckLease());
-  return WriteFileAtomically(Marker().string(), MarkerText(claim_.run, ready));
+  return WriteFileAtomically(Marker().string(), MarkerText(claim_.run, ready), [this] { return CheckLease(); });
 }
 
 Status OutputFolder::CheckLease() const {
@@ -102,24 +100,26 @@ Status OutputFolder::CheckOurs() const {
 }
 
 Status OutputFolder::Remove(const fs::path& path) const {
-  static std::atomic<unsigned> removed{0};
-  while (Exists(path)) {
-    DEPTHFARM_RETURN_IF_ERROR(CheckLease());
-    const fs::path aside = dir_ / (kRemoved + std::to_string(getpid()) + "-" + std::to_string(++removed));
-    std::error_code error;
-    fs::rename(path, aside, error);
-    if (!error) return RemoveAll(aside);
-    const bool taken = error == std::errc::directory_not_empty || error == std::errc::file_exists;
-    if (!taken && Exists(path)) return Unavailable(path.string() + ": cannot remove: " + error.message());
-  }
+  if (!Exists(path)) return {};
+  DEPTHFARM_RETURN_IF_ERROR(CheckLease());
+  const fs::path aside = dir_ / (kRemoved + UniqueSuffix());
+  std::error_code error;
+  fs::rename(path, aside, error);
+  if (error && Exists(path)) return Unavailable(path.string() + ": cannot remove: " + error.message());
+  // Gone for whoever looks; what cannot be removed here is a leftover.
+  if (!error) (void)RemoveAll(aside);
   return {};
 }
 
-// Of workers that ended while they removed something. Another one may be at it.
+// Of workers that ended while they removed or wrote something. Another one may be at it.
 void OutputFolder::RemoveLeftovers() const {
+  const std::string unfinished_marker = Marker().filename().string() + kUnfinished;
+  const std::string unfinished_manifest = Manifest().filename().string() + kUnfinished;
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(dir_, error)) {
-    if (entry.path().filename().string().starts_with(kRemoved)) (void)RemoveAll(entry.path());
+  for (fs::directory_iterator entry(dir_, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(kRemoved) || name.starts_with(unfinished_marker) || name.starts_with(unfinished_manifest))
+      (void)RemoveAll(entry->path());
   }
 }
 
@@ -241,8 +241,7 @@ Status OutputFolder::Finish(std::string_view manifest) const {
     const Result<std::string> written = ReadFileBytes(Manifest().string(), manifest.size());
     if (written.ok() && *written == manifest) return {};  // by an earlier attempt
   }
-  DEPTHFARM_RETURN_IF_ERROR(CheckOurs());
-  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(Manifest().string(), manifest));
+  DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically(Manifest().string(), manifest, [this] { return CheckOurs(); }));
   DEPTHFARM_RETURN_IF_ERROR(Remove(dir_ / kStagingFolder));
   RemoveLeftovers();
   DEPTHFARM_RETURN_IF_ERROR(CheckOurs());

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "worker/refinement/colour_weight.h"
 
@@ -34,10 +35,12 @@ void PatchDifferences(const YcbcrImage& own, const PatchPlace& place, std::uint6
   const hn::CappedTag<std::uint64_t, kRowPixels> d;
   const hn::Rebind<std::uint32_t, decltype(d)> of_pixels;
   const hn::Repartition<std::uint8_t, decltype(d)> bytes;
-  const auto* at = reinterpret_cast<const std::uint32_t*>(own.row(place.y) + place.x);
-  const auto center = hn::BitCast(bytes, hn::Set(d, *at));
+  std::uint32_t central = 0;
+  static_assert(sizeof(central) == sizeof(Ycbcr));
+  std::memcpy(&central, own.row(place.y) + place.x, sizeof(central));
+  const auto center = hn::BitCast(bytes, hn::Set(d, central));
   for (int row = -1; row <= 1; ++row) {
-    at = reinterpret_cast<const std::uint32_t*>(own.row(place.y + row) + place.x - 1);
+    const auto* at = reinterpret_cast<const std::uint32_t*>(own.row(place.y + row) + place.x - 1);
     for (std::size_t i = 0; i < kRowPixels; i += hn::Lanes(d)) {
       const auto pixels = hn::BitCast(bytes, hn::PromoteTo(d, hn::LoadU(of_pixels, at + i)));
       const auto apart = hn::Or(hn::SaturatedSub(pixels, center), hn::SaturatedSub(center, pixels));

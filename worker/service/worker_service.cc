@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "common/base/boot_time.h"
 #include "common/base/machine_memory.h"
 #include "common/log/log.h"
 #include "common/log/log_collector.h"
@@ -27,7 +28,7 @@ namespace action = lifecycle_action;
 constexpr Milliseconds kLongestWait{500};  // between looks at the parent process
 constexpr std::size_t kHostNameBytes = 256;
 
-TimePoint Now() { return std::chrono::steady_clock::now(); }
+TimePoint Now() { return BootTime(); }
 
 std::string HostName() {
   std::array<char, kHostNameBytes> name{};
@@ -214,7 +215,7 @@ void WorkerService::OnMessage(const v1::Envelope& message) {
       return;
     case v1::Envelope::kGiveBackTask: {
       const LeaseId lease(message.give_back_task().lease_id());
-      LogInfo("task_asked_back", {{"lease", lease.value()}, {"begun", !compute_->GiveBack(lease)}});
+      LogInfo("task_asked_back", {{"lease", lease.value()}, {"given_back", compute_->GiveBack(lease)}});
       return;
     }
     case v1::Envelope::kReleaseArtifacts: {

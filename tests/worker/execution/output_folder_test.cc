@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 
 #include "common/digest/sha256.h"
@@ -240,6 +241,69 @@ TEST_F(OutputFolderTest, WhoseLeaseIsOverChangesNothing) {
   }
 }
 
+// The first run stands still at each of its looks at the lease in turn; meanwhile a second run takes the folder and
+// ends.
+TEST_F(OutputFolderTest, WhoStandsStillAtAnyStepChangesNothingOfALaterResult) {
+  const auto all = [this] {
+    std::map<std::string, std::string> files;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(dir_))
+      files[entry.path().string()] =
+          entry.is_regular_file() ? ReadFileBytes(entry.path().string(), 1000).value() : "a folder";
+    return files;
+  };
+  const std::vector<OutputFile> files{FileOf("depth/a/0.png", "one"), FileOf("depth/a/1.png", "two")};
+  const std::map<std::string, std::function<Status(const OutputFolder&)>> tasks{
+      {"Prepare", [](const OutputFolder& folder) { return folder.Prepare(); }},
+      {"Stage", [](const OutputFolder& folder) { return folder.Stage("more", "depth/a/2.png", "three"); }},
+      {"Commit", [&](const OutputFolder& folder) { return folder.Commit("s", files); }},
+      {"Finish", [](const OutputFolder& folder) { return folder.Finish("{\"old\": 1}"); }},
+      {"RemoveStaging", [](const OutputFolder& folder) { return folder.RemoveStaging(); }}};
+  for (const auto& [name, task] : tasks) {
+    int looks_in_all = 1;
+    for (int still_at = 1; still_at <= looks_in_all; ++still_at) {
+      SCOPED_TRACE(name + ", look " + std::to_string(still_at));
+      fs::remove_all(dir_);
+      if (name == "Prepare") {
+        Write(dir_ / "depth.json", "{}");
+        Write(dir_ / "depth/a/0.png", "older");
+      } else {
+        ASSERT_TRUE(folder_.Prepare().ok());
+        ASSERT_TRUE(folder_.Stage("s", "depth/a/0.png", "one").ok());
+        ASSERT_TRUE(folder_.Stage("s", "depth/a/1.png", "two").ok());
+      }
+      int looks = 0;
+      std::map<std::string, std::string> result;
+      const Status late = task(Run(1, [&] {
+        if (++looks != still_at) return looks < still_at;
+        const OutputFolder second = Run(2);
+        EXPECT_TRUE(second.Prepare().ok());
+        EXPECT_TRUE(second.Stage("s", "depth/a/0.png", "new").ok());
+        EXPECT_TRUE(second.Commit("s", {FileOf("depth/a/0.png", "new")}).ok());
+        EXPECT_TRUE(second.Finish("{\"new\": 1}").ok());
+        result = all();
+        return false;
+      }));
+      EXPECT_FALSE(late.ok());
+      EXPECT_EQ(all(), result);
+      EXPECT_EQ(Content("depth.json"), "{\"new\": 1}");
+      // How often it would have looked.
+      if (still_at > 1) continue;
+      fs::remove_all(dir_);
+      ASSERT_TRUE(folder_.Prepare().ok());
+      ASSERT_TRUE(folder_.Stage("s", "depth/a/0.png", "one").ok());
+      ASSERT_TRUE(folder_.Stage("s", "depth/a/1.png", "two").ok());
+      if (name == "Prepare") {
+        fs::remove_all(dir_);
+        Write(dir_ / "depth.json", "{}");
+        Write(dir_ / "depth/a/0.png", "older");
+      }
+      looks_in_all = 0;
+      EXPECT_TRUE(task(Run(1, [&looks_in_all] { return ++looks_in_all > 0; })).ok());
+      EXPECT_GT(looks_in_all, 0);
+    }
+  }
+}
+
 TEST_F(OutputFolderTest, ATaskOfAnEarlierRunLeavesTheFolderOfALaterOneAlone) {
   ASSERT_TRUE(folder_.Prepare().ok());
   ASSERT_TRUE(folder_.Stage("old", "depth/a/0.png", "old").ok());
@@ -258,8 +322,12 @@ TEST_F(OutputFolderTest, ATaskOfAnEarlierRunLeavesTheFolderOfALaterOneAlone) {
 
 TEST_F(OutputFolderTest, WhatADeadWorkerWasRemovingGoesWithTheNextJob) {
   Write(dir_ / ".depthfarm-removed-17-1/depth/a/0.png", "old");
+  Write(dir_ / "depth.json.tmp-17-1", "{");
+  Write(dir_ / ".depthfarm-job.tmp-17-2", "a");
   ASSERT_TRUE(folder_.Prepare().ok());
   EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-removed-17-1"));
+  EXPECT_FALSE(fs::exists(dir_ / "depth.json.tmp-17-1"));
+  EXPECT_FALSE(fs::exists(dir_ / ".depthfarm-job.tmp-17-2"));
 }
 
 TEST_F(OutputFolderTest, AnAttemptThatOutlivesItsJobWritesNothing) {

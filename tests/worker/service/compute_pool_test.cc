@@ -49,7 +49,7 @@ class ComputePoolTest : public testing::Test {
     return outcome;
   }
   std::shared_ptr<LeaseTerm> Start(int frame) {
-    const auto term = std::make_shared<LeaseTerm>(LeaseTerm::Clock::time_point::max());
+    const auto term = std::make_shared<LeaseTerm>(LeaseTerm::Time::max());
     LeasedTask task{LeaseId(static_cast<std::uint64_t>(frame)), {}, std::make_shared<JobConfig>(), term};
     task.spec.id.frame = frame;
     pool_->Start(std::move(task));
