@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,8 +57,11 @@ std::uint64_t WriteJournal(const std::string& path, int frames) {
   const std::vector<OutgoingMessage> answers = coordinator->TakeOutgoing();
   if (answers.empty() || !answers.front().envelope.has_job_accepted()) return 0;
   const JobId job(answers.front().envelope.job_accepted().job_id());
+  const std::optional<JobSnapshot> snapshot = coordinator->scheduler().Job(job);
   std::uint64_t tasks = 0;
-  for (const StageSnapshot& stage : coordinator->scheduler().Job(job)->stages) tasks += stage.tasks_total;
+  if (snapshot) {
+    for (const StageSnapshot& stage : snapshot->stages) tasks += stage.tasks_total;
+  }
   return tasks;
 }
 
