@@ -12,10 +12,10 @@ constexpr std::size_t kVersionBytes = 4;
 
 }  // namespace
 
-std::string EncodeArtifact(const ArtifactFormat& format, std::string_view content) {
+std::string EncodeArtifact(const ArtifactFormat& format, std::string_view content, std::span<const std::size_t> cuts) {
   std::string bytes(format.magic);
   AppendU32(format.version, bytes);
-  AppendZstdFrame(content, bytes);
+  AppendZstdFrame(content, bytes, cuts);
   return bytes;
 }
 

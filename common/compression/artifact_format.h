@@ -1,7 +1,9 @@
 #ifndef DEPTHFARM_COMMON_COMPRESSION_ARTIFACT_FORMAT_H_
 #define DEPTHFARM_COMMON_COMPRESSION_ARTIFACT_FORMAT_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -16,8 +18,9 @@ struct ArtifactFormat {
   std::string_view name = "artifact";  // in messages
 };
 
-// An artifact with this content. Same content, same bytes.
-[[nodiscard]] std::string EncodeArtifact(const ArtifactFormat& format, std::string_view content);
+// An artifact with this content; `cuts` as AppendZstdFrame. Same content, same bytes.
+[[nodiscard]] std::string EncodeArtifact(const ArtifactFormat& format, std::string_view content,
+                                         std::span<const std::size_t> cuts = {});
 
 // The zstd frame of an artifact, within `bytes`. kCorrupt: they begin otherwise; kIncompatible: another version.
 [[nodiscard]] Result<std::string_view> FrameOfArtifact(const ArtifactFormat& format, std::string_view bytes);

@@ -16,6 +16,7 @@ constexpr int kCompressionLevel = 1;
 constexpr std::size_t kDescriptorOffset = 4;
 constexpr unsigned kChecksumFlag = 4;
 constexpr std::size_t kMaxExpansion = (std::size_t{128} << 10U) / 4;
+constexpr std::size_t kBlockHeaderBytes = 3;
 
 using CompressionContext = std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)>;
 using DecompressionContext = std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)>;
@@ -24,19 +25,34 @@ Status Damaged(std::size_t zstd_error) {
   return Corrupt(std::string("compressed content: ") + ZSTD_getErrorName(zstd_error));
 }
 
+// Compresses `part` to the end of `output`, which has room for it; the frame ends with it or a block does.
+void CompressPart(ZSTD_CCtx* context, std::string_view part, ZSTD_EndDirective end, ZSTD_outBuffer& output) {
+  ZSTD_inBuffer input{part.data(), part.size(), 0};
+  for (std::size_t rest = 1; rest != 0;) {
+    rest = ZSTD_compressStream2(context, &output, &input, end);
+    // With room for the bound, memory is all that can be missing.
+    if (ZSTD_isError(rest) != 0 || (rest != 0 && output.pos == output.size)) throw std::bad_alloc();
+  }
+}
+
 }  // namespace
 
-void AppendZstdFrame(std::string_view content, std::string& bytes) {
+void AppendZstdFrame(std::string_view content, std::string& bytes, std::span<const std::size_t> cuts) {
   const CompressionContext context(ZSTD_createCCtx(), &ZSTD_freeCCtx);
   if (context == nullptr) throw std::bad_alloc();  // as the containers here do
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kCompressionLevel);
   ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);
   const std::size_t start = bytes.size();
-  bytes.resize(start + ZSTD_compressBound(content.size()));
-  const std::size_t size =
-      ZSTD_compress2(context.get(), bytes.data() + start, bytes.size() - start, content.data(), content.size());
-  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // with room for the bound, memory is all that can be missing
-  bytes.resize(start + size);
+  ZSTD_CCtx_setPledgedSrcSize(context.get(), content.size());
+  bytes.resize(start + ZSTD_compressBound(content.size()) + kBlockHeaderBytes * cuts.size());
+  ZSTD_outBuffer output{bytes.data() + start, bytes.size() - start, 0};
+  std::size_t from = 0;
+  for (const std::size_t cut : cuts) {
+    CompressPart(context.get(), content.substr(from, cut - from), ZSTD_e_flush, output);
+    from = cut;
+  }
+  CompressPart(context.get(), content.substr(from), ZSTD_e_end, output);
+  bytes.resize(start + output.pos);
 }
 
 Result<std::string> ReadZstdFrameStart(std::string_view frame, std::size_t size) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "common/digest/sha256.h"
+#include "common/job/artifact_versions.h"
 
 namespace depthfarm {
 namespace {
@@ -70,6 +71,7 @@ ArtifactKey JobPart(const JobConfig& config) {
 
 ArtifactKey RefinePart(const JobConfig& config) {
   KeyBuilder builder("refinement");
+  builder.Add(kRefinedViewVersion);
   builder.Add(config.resolved.params.refine_rounds).Add(config.resolved.params.choice_rounds);
   for (const JobView& view : config.resolved.views) {
     builder.Add(view.own_range.z_near).Add(view.own_range.z_far).Add(view.compared.size());
@@ -122,6 +124,7 @@ ArtifactKey ArtifactKeys::AnalysisRequest(const JobConfig& config, int view, con
   const EstimationParams& params = config.resolved.params;
   KeyBuilder builder("analysis request");
   builder.Add(config.algorithm_version)
+      .Add(kViewAnalysisVersion)
       .Add(static_cast<int>(of.format.kind))
       .Add(of.format.bits)
       .Add(static_cast<int>(of.format.full_range))

@@ -9,9 +9,10 @@
 namespace depthfarm {
 
 // Names of the label fields and refined views of a job. Two tasks, of whatever jobs, have the same key only when their
-// operation, algorithm version, level planes, cameras, parameters that reach the results of such tasks, level block or
-// round and view, and inputs are the same; output folders, names, priorities, GOP length and frame numbers do not
-// count. Keys of Analyse are the worker's: they need the picture; AnalysisRequest stands for them until it is read.
+// operation, algorithm version, version of the result's bytes, level planes, cameras, parameters that reach the results
+// of such tasks, level block or round and view, and inputs are the same; output folders, names, priorities, GOP length
+// and frame numbers do not count. Keys of Analyse are the worker's: they need the picture; AnalysisRequest stands for
+// them until it is read.
 class ArtifactKeys {
  public:
   explicit ArtifactKeys(const JobConfig& config);

@@ -7,7 +7,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/compression/zstd_frame.h"
 #include "common/job/level_partition.h"
 #include "tests/benchmarks/benchmarks.h"
 #include "tests/support/cut_oracle.h"
@@ -18,6 +20,7 @@
 #include "worker/optimization/belief_start.h"
 #include "worker/optimization/level_search.h"
 #include "worker/refinement/refine.h"
+#include "worker/segmentation/label_codec.h"
 #include "worker/segmentation/snic.h"
 
 namespace depthfarm::benchmarks {
@@ -31,6 +34,38 @@ void MeasureSnic(benchmark::State& state, MeasuredFrames& frames) {
   }
   state.counters["segments"] = frames.workload().snic_segments;
   state.counters["pixels"] = static_cast<double>(picture.size());
+}
+
+// The label map of an artifact, to compressed bytes or back.
+void MeasureLabels(benchmark::State& state, MeasuredFrames& frames, bool encodes) {
+  const Grid<SegmentIndex> labels =
+      SegmentSnic(frames.FirstPicture(), frames.workload().snic_segments, EstimationParams().snic_compactness).value();
+  std::string bytes;
+  std::string frame;
+  std::vector<std::size_t> cuts;
+  const auto encode = [&] {
+    bytes.clear();
+    frame.clear();
+    cuts.clear();
+    AppendLabels(labels, bytes, cuts);
+    AppendZstdFrame(bytes, frame, cuts);
+  };
+  encode();
+  const auto decode = [&] {
+    const std::string content = ReadZstdFrame(frame, bytes.size(), bytes.size()).value();
+    return ReadLabels(content, labels.width(), labels.height(), static_cast<SegmentIndex>(labels.size())).value();
+  };
+  for ([[maybe_unused]] auto _ : state) {
+    if (encodes) {
+      encode();
+    } else {
+      benchmark::DoNotOptimize(decode());
+    }
+  }
+  const auto pixels = static_cast<double>(labels.size());
+  state.counters["bits_per_pixel"] = 8.0 * static_cast<double>(frame.size()) / pixels;
+  state.counters["per_pixel"] =
+      benchmark::Counter(pixels, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 // Entries of a matching volume that have a neighbour to match.
@@ -191,6 +226,8 @@ void RegisterStageBenchmarks(MeasuredFrames& frames, bool& failed) {
     benchmark::RegisterBenchmark(name.c_str(), measure)->Unit(benchmark::kMillisecond);
   };
   add("SegmentSnic", [&frames](benchmark::State& state) { MeasureSnic(state, frames); });
+  add("EncodeLabels", [&frames](benchmark::State& state) { MeasureLabels(state, frames, true); });
+  add("DecodeLabels", [&frames](benchmark::State& state) { MeasureLabels(state, frames, false); });
   add("MatchesOnLevels/floors_unknown", [&frames](benchmark::State& state) { MeasureMatching(state, frames, false); });
   add("MatchesOnLevels/floors_known", [&frames](benchmark::State& state) { MeasureMatching(state, frames, true); });
   for (const int sweeps : {1, kSparse}) {

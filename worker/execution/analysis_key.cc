@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/digest/sha256.h"
+#include "common/job/artifact_versions.h"
 
 namespace depthfarm {
 
@@ -14,6 +15,7 @@ ArtifactKey AnalysisKey(const JobView& view, const EstimationParams& params, con
     text += std::string(name) + " " + std::to_string(value) + "\n";
   };
   add("algorithm_version", kAlgorithmVersion);
+  add("format_version", kViewAnalysisVersion);
   add("kind", static_cast<std::uint64_t>(view.format.kind));
   add("bits", static_cast<std::uint64_t>(view.format.bits));
   add("full_range", view.format.full_range ? 1 : 0);

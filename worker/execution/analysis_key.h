@@ -7,8 +7,8 @@
 
 namespace depthfarm {
 
-// Names the analysis of a picture: SHA-256 of everything AnalyseView's result depends on, and of nothing else, so that
-// other jobs on the same pictures find it. Digests are those of the files' bytes.
+// Names the analysis of a picture: SHA-256 of everything AnalyseView's result depends on, of the version of its bytes,
+// and of nothing else, so that other jobs on the same pictures find it. Digests are those of the files' bytes.
 struct AnalysisDigests {
   ContentDigest picture{};
   std::optional<ContentDigest> mask;

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "common/base/little_endian.h"
 #include "common/compression/artifact_format.h"
 #include "common/compression/zstd_frame.h"
+#include "common/job/artifact_versions.h"
 #include "worker/segmentation/label_codec.h"
 #include "worker/segmentation/picture_size.h"
 
@@ -16,7 +18,7 @@ namespace {
 
 // A frame of: width, height, segments, planes; the kept flags; a, b, c of each plane, first the lowest byte of all,
 // last the highest (they compress apart); the plane of each pixel (label_codec.h).
-constexpr ArtifactFormat kFormat{.magic = "DFRV", .version = 1, .name = "refined view"};
+constexpr ArtifactFormat kFormat{.magic = "DFRV", .version = kRefinedViewVersion, .name = "refined view"};
 constexpr std::size_t kHeaderSize = 16;
 constexpr std::size_t kPlaneBytes = 12;
 
@@ -81,9 +83,9 @@ Result<RefinedView> DecodeFrame(std::string_view frame) {
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string start, ReadZstdFrameStart(frame, kHeaderSize));
   DEPTHFARM_ASSIGN_OR_RETURN(const Header header, ReadHeader(start));
   const std::size_t pixels = static_cast<std::size_t>(header.width) * static_cast<std::size_t>(header.height);
-  const std::size_t least = kHeaderSize + header.segments + kPlaneBytes * header.planes + pixels;
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::string content,
-                             ReadZstdFrame(frame, least, least + kMaxExplicitLabelBytes * pixels));
+  const std::size_t before_labels = kHeaderSize + header.segments + kPlaneBytes * header.planes;
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string content, ReadZstdFrame(frame, before_labels + LeastLabelBytes(pixels),
+                                                                      before_labels + MostLabelBytes(pixels)));
   return ReadContent(content, header);
 }
 
@@ -91,7 +93,7 @@ Result<RefinedView> DecodeFrame(std::string_view frame) {
 
 std::string EncodeRefinedView(const RefinedView& view) {
   std::string content;
-  content.reserve(kHeaderSize + view.kept.size() + kPlaneBytes * view.planes.size() + 2 * view.plane_of_pixel.size());
+  content.reserve(kHeaderSize + view.kept.size() + kPlaneBytes * view.planes.size() + view.plane_of_pixel.size());
   AppendU32(static_cast<std::uint32_t>(view.plane_of_pixel.width()), content);
   AppendU32(static_cast<std::uint32_t>(view.plane_of_pixel.height()), content);
   AppendU32(static_cast<std::uint32_t>(view.kept.size()), content);
@@ -103,8 +105,9 @@ std::string EncodeRefinedView(const RefinedView& view) {
         content.push_back(static_cast<char>(std::bit_cast<std::uint32_t>(plane.*coefficient) >> shift & 0xFFU));
     }
   }
-  AppendLabels(view.plane_of_pixel, content);
-  return EncodeArtifact(kFormat, content);
+  std::vector<std::size_t> cuts;
+  AppendLabels(view.plane_of_pixel, content, cuts);
+  return EncodeArtifact(kFormat, content, cuts);
 }
 
 Result<RefinedView> DecodeRefinedView(std::string_view bytes) { return DecodeArtifact(kFormat, bytes, DecodeFrame); }

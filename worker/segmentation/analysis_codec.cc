@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 #include "common/base/little_endian.h"
 #include "common/compression/artifact_format.h"
 #include "common/compression/zstd_frame.h"
+#include "common/job/artifact_versions.h"
 #include "worker/segmentation/describe.h"
 #include "worker/segmentation/label_codec.h"
 #include "worker/segmentation/picture_size.h"
@@ -17,7 +19,7 @@
 namespace depthfarm {
 namespace {
 
-constexpr ArtifactFormat kFormat{.magic = "DFVA", .version = 2, .name = "view analysis"};
+constexpr ArtifactFormat kFormat{.magic = "DFVA", .version = kViewAnalysisVersion, .name = "view analysis"};
 constexpr std::size_t kHeaderSize = 24;  // width, height, segments, flags, lowest value and step of the prior
 constexpr std::uint32_t kHasMatte = 1;
 constexpr std::uint32_t kHasPrior = 2;
@@ -159,9 +161,10 @@ Result<ViewAnalysis> ReadContent(std::string_view content, const Header& header)
 Result<ViewAnalysis> DecodeFrame(std::string_view frame) {
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string start, ReadZstdFrameStart(frame, kHeaderSize));
   DEPTHFARM_ASSIGN_OR_RETURN(const Header header, ReadHeader(start));
-  const std::size_t least = kHeaderSize + (header.planes() + 1) * header.pixels();
+  const std::size_t before_labels = kHeaderSize + header.planes() * header.pixels();
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string content,
-                             ReadZstdFrame(frame, least, least + kMaxExplicitLabelBytes * header.pixels()));
+                             ReadZstdFrame(frame, before_labels + LeastLabelBytes(header.pixels()),
+                                           before_labels + MostLabelBytes(header.pixels())));
   return ReadContent(content, header);
 }
 
@@ -188,9 +191,9 @@ std::string EncodeAnalysis(const ViewAnalysis& analysis) {
   for (const Channel channel : kChannels) append_channel(channel);
   if (has_matte) append_channel(&Ycbcr::matte);
   AppendPrior(prior, content);
-  AppendLabels(analysis.segments.labels, content);
-
-  return EncodeArtifact(kFormat, content);
+  std::vector<std::size_t> cuts;
+  AppendLabels(analysis.segments.labels, content, cuts);
+  return EncodeArtifact(kFormat, content, cuts);
 }
 
 Result<ViewAnalysis> DecodeAnalysis(std::string_view bytes) { return DecodeArtifact(kFormat, bytes, DecodeFrame); }

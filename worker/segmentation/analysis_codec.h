@@ -12,7 +12,7 @@ namespace depthfarm {
 // Bytes of an analysis, as stored and sent between workers. All integers are little-endian:
 //
 //   "DFVA"                magic
-//   u32                   version, 2
+//   u32                   version, 3 (kViewAnalysisVersion)
 //   one zstd frame with content size and content checksum, and nothing after it:
 //     u32 u32 u32         width, height, number of segments
 //     u32                 bit 0: there is a matte; 1: a prior; 2: it has confidence
@@ -21,8 +21,7 @@ namespace depthfarm {
 //     W*H bytes           of a matte: the same of it
 //     W*H bytes, 2 times  of a prior: the same of the low and of the high bytes of its codes
 //     W*H bytes           of its confidence: the same of it
-//     W*H bytes           how each label follows from those before it (label_codec.h)
-//     the rest            the labels that follow from none
+//     the rest            the labels: how each follows from those before it (label_codec.h)
 //
 // Means, centres, adjacency and priors of segments follow from these (DescribeSegments, DescribePrior) and are not
 // stored. The same analysis gives the same bytes with the same version of libzstd. Requires an analysis as AnalyseView

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include <cstddef>
+#include <random>
 #include <string>
+#include <vector>
 
 namespace depthfarm {
 namespace {
@@ -20,6 +23,39 @@ TEST(ZstdFrame, GivesBackItsContent) {
     ASSERT_TRUE(read.ok()) << read.status().message();
     EXPECT_EQ(*read, content);
   }
+}
+
+TEST(ZstdFrame, GivesBackContentThatIsCut) {
+  std::mt19937 random(5);
+  std::string noise(300'000, '\0');
+  for (char& byte : noise) byte = static_cast<char>(random());
+  for (const std::string& content : {std::string(), std::string("abc"), std::string(300'000, 'x'), noise}) {
+    std::vector<std::size_t> everywhere;
+    for (std::size_t cut = 0; cut <= content.size(); cut += 1 + content.size() / 1000) everywhere.push_back(cut);
+    using Cuts = std::vector<std::size_t>;
+    for (const Cuts& cuts : {Cuts{0}, Cuts{content.size()}, Cuts{0, 0, content.size(), content.size()}, everywhere}) {
+      std::string frame;
+      AppendZstdFrame(content, frame, cuts);
+      const auto read = ReadZstdFrame(frame, content.size(), content.size());
+      ASSERT_TRUE(read.ok()) << read.status().message();
+      EXPECT_EQ(*read, content);
+      std::string again;
+      AppendZstdFrame(content, again, cuts);
+      EXPECT_EQ(again, frame);
+    }
+  }
+}
+
+// Halves that use other bytes: one code for both would take a bit a byte more.
+TEST(ZstdFrame, CodesPartsApart) {
+  std::mt19937 random(6);
+  std::string content;
+  for (int i = 0; i < 60'000; ++i)
+    content.push_back(static_cast<char>(i < 30'000 ? random() % 16 : 16 + random() % 16));
+  std::string cut;
+  AppendZstdFrame(content, cut, std::vector<std::size_t>{30'000});
+  EXPECT_LT(cut.size(), 60'000U / 2 + 200);
+  EXPECT_GT(Frame(content).size(), 60'000U * 5 / 8 - 200);
 }
 
 TEST(ZstdFrame, GivesTheStartWithoutTheRest) {

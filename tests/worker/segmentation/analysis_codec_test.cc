@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "common/compression/zstd_frame.h"
 #include "tests/worker/segmentation/test_pictures.h"
@@ -25,7 +26,7 @@ std::string LittleEndian(std::uint32_t value) {
 
 // Bytes of a well-formed frame with a content of our choice.
 std::string WithContent(const std::string& content) {
-  std::string bytes = "DFVA" + LittleEndian(2);
+  std::string bytes = "DFVA" + LittleEndian(3);
   AppendZstdFrame(content, bytes);
   return bytes;
 }
@@ -35,7 +36,8 @@ std::string Content(std::uint32_t width, std::uint32_t height, std::uint32_t num
   std::string content = LittleEndian(width) + LittleEndian(height) + LittleEndian(num_segments);
   content.append(12, '\0');  // no matte, no prior
   content.append(3 * labels.size(), '\0');
-  AppendLabels(labels, content);
+  std::vector<std::size_t> cuts;
+  AppendLabels(labels, content, cuts);
   return content;
 }
 
@@ -198,7 +200,7 @@ TEST(AnalysisCodec, TellsAnotherVersionFromDamage) {
   bytes[4] = 1;
   const Status status = DecodeAnalysis(bytes).status();
   EXPECT_EQ(status.code(), ErrorCode::kIncompatible);
-  EXPECT_EQ(status.message(), "view analysis: version is 1, expected 2");
+  EXPECT_EQ(status.message(), "view analysis: version is 1, expected 3");
 }
 
 }  // namespace
