@@ -20,14 +20,24 @@ constexpr int kExitFailed = 1;
 constexpr int kExitUsage = 2;
 
 std::atomic<depthfarm::CoordinatorServer*> running{nullptr};
+std::atomic<bool> hung_up{false};  // while it started
 
 void OnSignal(int) {
   if (depthfarm::CoordinatorServer* coordinator = running.load()) coordinator->Stop();
 }
 
-void StopOn(int signal) {
+void OnHangup(int) {
+  if (depthfarm::CoordinatorServer* coordinator = running.load()) {
+    coordinator->RereadKeys();
+  } else {
+    hung_up.store(true);
+  }
+}
+
+void HandleSignal(int signal, void (*handler)(int)) {
   struct sigaction action {};
-  action.sa_handler = OnSignal;
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
   sigaction(signal, &action, nullptr);
 }
 
@@ -66,8 +76,10 @@ int main(int argc, char** argv) {
   CLI::App app("Plans depth estimation jobs and hands their tasks to workers.", "depthfarm-coordinator");
   app.add_option("--listen", options.endpoint, "tcp://HOST:PORT or ipc://PATH; PORT * takes a free one")
       ->capture_default_str();
-  app.add_option("--keys", options.keys_dir,
-                 "folder with coordinator.key, coordinator.pub and authorized (depthfarm keygen)");
+  app.add_option(
+      "--keys", options.keys_dir,
+      "folder with coordinator.key, coordinator.pub and authorized (depthfarm keygen); SIGHUP has the latter\n"
+      "read again: who is no longer in it is refused from then on");
   app.add_flag("--insecure", options.insecure, "no keys and no encryption; loopback addresses only");
   app.add_option("--heartbeat-ms", heartbeat_ms, "how often workers report")->capture_default_str();
   app.add_option("--lease-ms", lease_ms, "silence after which a worker is given up")->capture_default_str();
@@ -101,12 +113,16 @@ int main(int argc, char** argv) {
   if (!journal_file.ok()) return Fail(journal_file.status());
   options.journal = std::move(journal_file).value();
 
+  // From before the keys are read: a signal meanwhile has them read once more. Without keys a hangup ends the program
+  // as always.
+  if (!options.keys_dir.empty()) HandleSignal(SIGHUP, OnHangup);
   depthfarm::Result<std::unique_ptr<depthfarm::CoordinatorServer>> coordinator =
       depthfarm::CoordinatorServer::Create(options);
   if (!coordinator.ok()) return Fail(coordinator.status());
   running.store(coordinator->get());
-  StopOn(SIGTERM);
-  StopOn(SIGINT);
+  if (hung_up.load()) (*coordinator)->RereadKeys();
+  HandleSignal(SIGTERM, OnSignal);
+  HandleSignal(SIGINT, OnSignal);
   std::cout << "listening on " << (*coordinator)->endpoint() << std::endl;
   const depthfarm::Status status = (*coordinator)->Run();
   running.store(nullptr);

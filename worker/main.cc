@@ -28,18 +28,33 @@ constexpr int kExitNoCoordinator = 3;
 
 std::atomic<WorkerService*> running_service = nullptr;
 std::atomic<bool> stop_signalled = false;
+std::atomic<bool> hung_up = false;  // while it started
 
 extern "C" void OnSignal(int) {
   stop_signalled = true;
   if (WorkerService* service = running_service) service->Stop();
 }
 
-// SIGTERM and SIGINT end the worker, also while it still starts; a write to a closed pipe is an error like any other.
-void InstallSignalHandlers() {
+extern "C" void OnHangup(int) {
+  if (WorkerService* service = running_service) {
+    service->RereadKeys();
+  } else {
+    hung_up = true;
+  }
+}
+
+// SIGTERM and SIGINT end the worker, also while it still starts. With keys SIGHUP has them read again; without, it ends
+// the program as always. A write to a closed pipe is an error like any other.
+void InstallSignalHandlers(bool has_keys) {
   struct sigaction handler {};
   handler.sa_handler = OnSignal;
   sigemptyset(&handler.sa_mask);
   for (const int signal : {SIGTERM, SIGINT}) sigaction(signal, &handler, nullptr);
+  if (has_keys) {
+    handler.sa_handler = OnHangup;
+    handler.sa_flags = SA_RESTART;  // nothing that a task does is to fail by it
+    sigaction(SIGHUP, &handler, nullptr);
+  }
   signal(SIGPIPE, SIG_IGN);
 }
 
@@ -94,7 +109,7 @@ int RunWorker(WorkerOptions options) {
   // Threads that compute come and go: each would keep a heap of its own with all that was freed there. They allocate
   // rarely enough for those of a slot to share one.
   mallopt(M_ARENA_MAX, options.slots);
-  InstallSignalHandlers();
+  InstallSignalHandlers(!options.keys.empty());
   TemporaryCache cache;
   if (options.cache_dir.empty()) {
     const Status made = cache.Make();
@@ -108,6 +123,7 @@ int RunWorker(WorkerOptions options) {
   }
   running_service = service->get();
   if (stop_signalled) (*service)->Stop();
+  if (hung_up) (*service)->RereadKeys();
   const Status status = (*service)->Run();
   running_service = nullptr;
   const int code = status.ok() ? kExitOk : Fail(status, ExitCodeOf(status));
@@ -142,7 +158,10 @@ int main(int argc, char** argv) {
   std::string log_level = "info";
   double give_up_seconds = 0;
   app.add_option("--coordinator", options.coordinator, "tcp://HOST:PORT or ipc://PATH of the coordinator")->required();
-  app.add_option("--keys", keys, "folder with worker.key, worker.pub and coordinator.pub (see depthfarm keygen)");
+  app.add_option(
+      "--keys", keys,
+      "folder with worker.key, worker.pub and coordinator.pub (see depthfarm keygen), and authorized: who may fetch\n"
+      "from this worker, read again on SIGHUP");
   app.add_flag("--insecure", options.insecure, "tcp without keys, on loopback addresses only");
   app.add_option(
       "--cache-dir", cache_dir,

@@ -1,5 +1,6 @@
 #include "common/transport/authenticator.h"
 
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): pthread_sigmask is POSIX
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -37,7 +38,7 @@ void SendFrames(zmq::socket_t& socket, const std::vector<std::string>& frames) {
 
 }  // namespace
 
-Result<std::unique_ptr<Authenticator>> Authenticator::Start(zmq::context_t& context, AllowedKeys allowed) {
+Result<std::unique_ptr<Authenticator>> Authenticator::Start(zmq::context_t& context, const AdmittedKeys& admitted) {
   try {
     std::unique_ptr<Authenticator> authenticator(new Authenticator);
     authenticator->stop_fd_ = ::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
@@ -46,7 +47,7 @@ Result<std::unique_ptr<Authenticator>> Authenticator::Start(zmq::context_t& cont
     requests.set(zmq::sockopt::linger, 0);
     requests.bind(kZapEndpoint);
     authenticator->thread_ = std::thread([socket = std::move(requests), fd = authenticator->stop_fd_,
-                                          keys = std::move(allowed)]() mutable { Serve(std::move(socket), fd, keys); });
+                                          &admitted]() mutable { Serve(std::move(socket), fd, admitted); });
     return authenticator;
   } catch (const std::exception& error) {
     return Internal(std::string("cannot start authentication: ") + error.what());
@@ -62,20 +63,23 @@ Authenticator::~Authenticator() {
   if (stop_fd_ >= 0) ::close(stop_fd_);
 }
 
-std::vector<std::string> Authenticator::Answer(const std::vector<std::string>& request, const AllowedKeys& allowed) {
+std::vector<std::string> Authenticator::Answer(const std::vector<std::string>& request, const AdmittedKeys& admitted) {
   if (request.size() < kRequestFrames - 1 || request[0] != "1.0") return {};
   const std::string& id = request[1];
   const bool curve = request.size() == kRequestFrames && request[5] == "CURVE" && request[6].size() == kCurveKeyBytes;
   if (curve) {
     std::array<char, 41> text{};
     zmq_z85_encode(text.data(), reinterpret_cast<const std::uint8_t*>(request[6].data()), kCurveKeyBytes);
-    const auto user = allowed.find(text.data());
-    if (user != allowed.end()) return {"1.0", id, "200", "OK", user->second, ""};
+    if (admitted.UserOf(text.data())) return {"1.0", id, "200", "OK", text.data(), ""};
   }
   return {"1.0", id, "400", curve ? "unknown key" : "only CURVE is accepted", "", ""};
 }
 
-void Authenticator::Serve(zmq::socket_t requests, int stop_fd, const AllowedKeys& allowed) {
+void Authenticator::Serve(zmq::socket_t requests, int stop_fd, const AdmittedKeys& admitted) {
+  // Signals are for the program's own threads: no call below is to fail by one.
+  sigset_t all;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
   try {
     for (;;) {
       std::array<zmq::pollitem_t, 2> items{{{requests.handle(), 0, ZMQ_POLLIN, 0}, {nullptr, stop_fd, ZMQ_POLLIN, 0}}};
@@ -87,7 +91,7 @@ void Authenticator::Serve(zmq::socket_t requests, int stop_fd, const AllowedKeys
       }
       if (items[1].revents != 0) return;
       const std::vector<std::string> request = ReceiveFrames(requests);
-      std::vector<std::string> answer = Answer(request, allowed);
+      std::vector<std::string> answer = Answer(request, admitted);
       // REP must answer before it may receive again; libzmq drops the handshake of an answer it cannot read.
       if (answer.empty()) answer = {"1.0", request.size() > 1 ? request[1] : "", "500", "malformed request", "", ""};
       SendFrames(requests, answer);

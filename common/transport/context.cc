@@ -11,7 +11,14 @@ TransportContext::~TransportContext() = default;
 
 Status TransportContext::Authenticate(AllowedKeys allowed) {
   if (state_->authenticator) return Internal("the transport context authenticates already");
-  DEPTHFARM_ASSIGN_OR_RETURN(state_->authenticator, Authenticator::Start(state_->zmq, std::move(allowed)));
+  state_->admitted = std::make_unique<AdmittedKeys>(std::move(allowed));
+  DEPTHFARM_ASSIGN_OR_RETURN(state_->authenticator, Authenticator::Start(state_->zmq, *state_->admitted));
+  return {};
+}
+
+Status TransportContext::Readmit(AllowedKeys allowed) {
+  if (!state_->authenticator) return Internal("the transport context does not authenticate");
+  state_->admitted->Replace(std::move(allowed));
   return {};
 }
 

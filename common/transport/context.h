@@ -20,6 +20,10 @@ class TransportContext {
   // From now on CURVE servers of this context admit exactly these keys (ZAP, RFC 27) and report the user id of each
   // message. Call once, before binding a CURVE server. kInternal when called twice.
   [[nodiscard]] Status Authenticate(AllowedKeys allowed);
+  // From now on these keys instead. Who is connected with a key that is no longer listed stays so, since the library
+  // closes no single connection, but its messages are skipped; a key of another role now has that one.
+  // kInternal before Authenticate.
+  [[nodiscard]] Status Readmit(AllowedKeys allowed);
 
   struct State;
   [[nodiscard]] State& state() { return *state_; }  // for the channels

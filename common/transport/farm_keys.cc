@@ -79,18 +79,18 @@ Status CreateFarmKeys(const std::filesystem::path& dir) {
   DEPTHFARM_RETURN_IF_ERROR(CreatePair(dir, "coordinator", coordinator));
   DEPTHFARM_RETURN_IF_ERROR(CreatePair(dir, "worker", worker));
   DEPTHFARM_RETURN_IF_ERROR(CreatePair(dir, "client", client));
-  std::ofstream authorized(dir / "authorized");
-  authorized << "# <role> <public key> [name]; roles: work, submit, admin\n"
-             << "work " << worker << " worker\n"
-             << "admin " << client << " client\n";
-  authorized.close();
-  if (!authorized) return Unavailable("cannot write " + (dir / "authorized").string());
-  return {};
+  return WritePublicText(dir / "authorized", "# <role> <public key> [name]; roles: work, submit, admin\nwork " +
+                                                 worker + " worker\nadmin " + client + " client\n");
 }
 
 Result<AllowedKeys> ReadAuthorized(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream) return InvalidArgument("cannot read the list of authorized keys " + file.string());
+  struct stat info {};
+  if (::stat(file.c_str(), &info) != 0 || (info.st_mode & (S_IWGRP | S_IWOTH)) != 0) {
+    return InvalidArgument("the list of authorized keys " + file.string() +
+                           " can be written by group or others: chmod go-w it");
+  }
   AllowedKeys allowed;
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {

@@ -28,7 +28,8 @@ using AllowedKeys = std::map<std::string, std::string>;
 [[nodiscard]] Status CreateFarmKeys(const std::filesystem::path& dir);
 
 // Lines "<role> <public key> [name]"; empty lines and lines that begin with '#' count nothing. The name defaults to the
-// first eight characters of the key. kInvalidArgument names file and line: unknown role, bad key, a key listed twice.
+// first eight characters of the key. kInvalidArgument names file and line: unknown role, bad key, a key listed twice;
+// or the file that group or others can write, since whoever writes it lets anybody in.
 [[nodiscard]] Result<AllowedKeys> ReadAuthorized(const std::filesystem::path& file);
 
 // What a coordinator needs of DIR: its pair and who may come.

@@ -20,14 +20,13 @@ constexpr mode_t kPublicMode = 0644;
 
 std::string ErrnoText() { return std::strerror(errno); }
 
-Status WriteKey(const std::filesystem::path& file, const std::string& key, mode_t mode) {
+Status WriteNew(const std::filesystem::path& file, const std::string& text, mode_t mode) {
   const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, mode);
   if (fd < 0) {
     if (errno == EEXIST) return InvalidArgument(file.string() + " exists already: keys are never replaced");
     return Unavailable("cannot write " + file.string() + ": " + ErrnoText());
   }
-  const std::string line = key + "\n";
-  const bool written = ::write(fd, line.data(), line.size()) == static_cast<ssize_t>(line.size()) && ::fsync(fd) == 0;
+  const bool written = ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(fd) == 0;
   const std::string reason = ErrnoText();
   ::close(fd);
   if (!written) return Unavailable("cannot write " + file.string() + ": " + reason);
@@ -58,11 +57,15 @@ bool IsCurveKey(std::string_view text) {
 }
 
 Status WriteSecretKey(const std::filesystem::path& file, const std::string& key) {
-  return WriteKey(file, key, kSecretMode);
+  return WriteNew(file, key + "\n", kSecretMode);
 }
 
 Status WritePublicKey(const std::filesystem::path& file, const std::string& key) {
-  return WriteKey(file, key, kPublicMode);
+  return WriteNew(file, key + "\n", kPublicMode);
+}
+
+Status WritePublicText(const std::filesystem::path& file, const std::string& text) {
+  return WriteNew(file, text, kPublicMode);
 }
 
 Result<std::string> ReadSecretKey(const std::filesystem::path& file) {

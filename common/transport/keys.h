@@ -25,6 +25,8 @@ struct CurveKeys {
 // else, or that is not a regular file.
 [[nodiscard]] Status WriteSecretKey(const std::filesystem::path& file, const std::string& key);
 [[nodiscard]] Status WritePublicKey(const std::filesystem::path& file, const std::string& key);
+// The same of any text that everybody may read and its owner alone write.
+[[nodiscard]] Status WritePublicText(const std::filesystem::path& file, const std::string& text);
 [[nodiscard]] Result<std::string> ReadSecretKey(const std::filesystem::path& file);
 [[nodiscard]] Result<std::string> ReadPublicKey(const std::filesystem::path& file);
 

@@ -10,6 +10,9 @@
 namespace depthfarm {
 namespace {
 
+// In a row, before the caller gets its turn: a flood of what is skipped must not keep it from its other work.
+constexpr int kMostSkipped = 1000;
+
 // A frame of the string's own memory, which the library frees when it has left.
 zmq::message_t FrameOf(std::string bytes) {
   auto owned = std::make_unique<std::string>(std::move(bytes));
@@ -24,6 +27,7 @@ zmq::message_t FrameOf(std::string bytes) {
 struct ServerChannel::State {
   zmq::socket_t socket;
   std::string endpoint;
+  const AdmittedKeys* admitted = nullptr;  // null: no CURVE
 };
 
 ServerChannel::ServerChannel() : state_(std::make_unique<State>()) {}
@@ -43,8 +47,8 @@ Result<std::unique_ptr<ServerChannel>> ServerChannel::Bind(TransportContext& con
     SetCommonOptions(socket, options.max_message_bytes, options.linger);
     socket.set(zmq::sockopt::sndhwm, options.max_queued_messages);
     socket.set(zmq::sockopt::router_mandatory, 1);
-    socket.set(zmq::sockopt::router_handover, 1);
     if (curve) {
+      channel->state_->admitted = context.state().admitted.get();
       socket.set(zmq::sockopt::curve_server, 1);
       socket.set(zmq::sockopt::curve_secretkey, options.curve_secret_key);
       socket.set(zmq::sockopt::zap_domain, "depthfarm");
@@ -62,7 +66,7 @@ const std::string& ServerChannel::endpoint() const { return state_->endpoint; }
 Result<std::optional<PeerMessage>> ServerChannel::Receive() {
   zmq::socket_t& socket = state_->socket;
   try {
-    for (;;) {
+    for (int skipped = 0; skipped < kMostSkipped; ++skipped) {
       zmq::message_t peer;
       if (!socket.recv(peer, zmq::recv_flags::dontwait)) return std::optional<PeerMessage>();
       zmq::message_t payload;
@@ -75,9 +79,16 @@ Result<std::optional<PeerMessage>> ServerChannel::Receive() {
       }
       if (frames != 1) continue;
       PeerMessage message{peer.to_string(), "", payload.to_string()};
-      if (const char* user = zmq_msg_gets(payload.handle(), "User-Id")) message.user_id = user;
+      if (state_->admitted != nullptr) {
+        // As the authenticator gave it: what a peer says of itself does not replace it.
+        if (const char* key = zmq_msg_gets(payload.handle(), "User-Id")) message.key = key;
+        std::optional<std::string> user = state_->admitted->UserOf(message.key);
+        if (!user) continue;
+        message.user_id = *std::move(user);
+      }
       return std::optional<PeerMessage>(std::move(message));
     }
+    return std::optional<PeerMessage>();
   } catch (const zmq::error_t& error) {
     return SocketFailure("receive on", state_->endpoint, error);
   }

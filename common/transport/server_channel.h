@@ -23,8 +23,9 @@ struct ServerOptions {
 // One message and whom it came from.
 struct PeerMessage {
   std::string peer;     // opaque: pass to Send
-  std::string user_id;  // "role:name" of TransportContext::Authenticate; empty without CURVE
+  std::string user_id;  // "role:name" that the key has now (TransportContext::Readmit); empty without CURVE
   std::string payload;
+  std::string key = {};  // the sender's public key; empty without CURVE
 };
 
 // Many peers, one socket (ROUTER). Not thread-safe.
@@ -39,7 +40,8 @@ class ServerChannel : public Channel {
 
   // Where it is bound in fact.
   [[nodiscard]] const std::string& endpoint() const;
-  // The next message, or none waiting. Messages of a wrong number of frames are skipped.
+  // The next message, or none: none waits, or many in a row were skipped. Skipped are messages of a wrong number of
+  // frames and those of keys that are no longer admitted.
   [[nodiscard]] Result<std::optional<PeerMessage>> Receive();
   // Never blocks. kUnavailable: the peer is gone or its queue is full.
   [[nodiscard]] Status Send(std::string_view peer, std::string_view payload);

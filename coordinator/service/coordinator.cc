@@ -129,6 +129,31 @@ void Coordinator::Tick(TimePoint now) {
   CarryOut(scheduler_.Tick(now_));
 }
 
+int Coordinator::DropUnlisted(const AllowedKeys& allowed, TimePoint now) {
+  now_ = now;
+  std::vector<WorkerSession> dropped;
+  for (const auto& [id, session] : workers_.all()) {
+    const auto user = allowed.find(session.key);
+    if (user == allowed.end() || RoleOfUser(user->second).value() != Role::kWork) {
+      dropped.push_back(session);
+    } else {
+      workers_.SetUser(id, user->second);
+    }
+  }
+  for (const WorkerSession& session : dropped) {
+    // The first message tells it and its log why, the second one that asking again is of no use.
+    v1::Envelope reason;
+    *reason.mutable_error() = ToProto(InvalidArgument("this worker's key was taken off the farm's list of workers"));
+    Send(session.peer, std::move(reason));
+    v1::Envelope stop;
+    stop.mutable_stop_worker();
+    Send(session.peer, std::move(stop));
+    workers_.Remove(session.id);
+    Dispatch(WorkerLeft{session.id});
+  }
+  return static_cast<int>(dropped.size());
+}
+
 void Coordinator::SayGoodbye() {
   v1::Envelope stop;
   stop.mutable_stop_worker();
@@ -206,6 +231,7 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
     }
     return WorkerSession{WorkerId(),
                          message.peer,
+                         message.key,
                          message.user_id,
                          hello.name(),
                          hello.software_version(),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/base/status.h"
+#include "common/transport/farm_keys.h"
 #include "common/transport/server_channel.h"
 #include "common/wire/envelope.h"
 #include "coordinator/journal/journal.h"
@@ -55,6 +56,9 @@ class Coordinator {
   // Goes on with the jobs of the journal. Once, before anything else. Errors: those of the journal.
   [[nodiscard]] Status Restore(TimePoint now);
   void Handle(const PeerMessage& message, TimePoint now);
+  // The keys that may come were replaced: workers whose key is not one of a worker any more are told so and to stop,
+  // and their tasks go back without a failed attempt. The number of these workers.
+  int DropUnlisted(const AllowedKeys& allowed, TimePoint now);
   // Does what is due: leases that ran out, jobs that end.
   void Tick(TimePoint now);
   // What is to be sent, in order; empty until the next call that makes some.

@@ -1,7 +1,9 @@
 #include "coordinator/service/coordinator_server.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <random>
 #include <utility>
@@ -28,12 +30,14 @@ Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Create(const Coord
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal,
                              Journal::Open(options.journal, {.kept_jobs = options.kept_jobs}));
   std::unique_ptr<CoordinatorServer> server(new CoordinatorServer);
-  server->secure_ = !options.keys_dir.empty();
-  server->coordinator_ = std::make_unique<Coordinator>(options, first_lease, std::move(journal), server->secure_);
+  server->keys_dir_ = options.keys_dir;
+  const bool secure = !options.keys_dir.empty();
+  server->coordinator_ = std::make_unique<Coordinator>(options, first_lease, std::move(journal), secure);
   ServerOptions channel;
-  if (server->secure_) {
+  if (secure) {
     DEPTHFARM_ASSIGN_OR_RETURN(CoordinatorKeys keys, ReadCoordinatorKeys(options.keys_dir));
-    DEPTHFARM_RETURN_IF_ERROR(server->context_.Authenticate(std::move(keys.allowed)));
+    DEPTHFARM_RETURN_IF_ERROR(server->context_.Authenticate(keys.allowed));
+    server->allowed_ = std::move(keys.allowed);
     channel.curve_secret_key = keys.own.secret_key;
   }
   DEPTHFARM_ASSIGN_OR_RETURN(server->channel_, ServerChannel::Bind(server->context_, options.endpoint, channel));
@@ -46,14 +50,20 @@ void CoordinatorServer::Stop() {
   poller_.Wake();
 }
 
+void CoordinatorServer::RereadKeys() {
+  reread_.store(true);
+  poller_.Wake();
+}
+
 Status CoordinatorServer::Run() {
-  LogInfo("coordinator_started", {{"endpoint", endpoint()}, {"secure", secure_}});
+  LogInfo("coordinator_started", {{"endpoint", endpoint()}, {"secure", !keys_dir_.empty()}});
   const std::array<const Channel*, 1> channels = {channel_.get()};
   const auto stopping = [this] { return stop_.load() || coordinator_->asked_to_stop(); };
   while (!stopping()) {
     DEPTHFARM_RETURN_IF_ERROR(poller_.Wait(channels, kTick));
     for (int i = 0; i < kMessagesPerTick && !stopping(); ++i) {
       DEPTHFARM_ASSIGN_OR_RETURN(const std::optional<PeerMessage> message, channel_->Receive());
+      RereadIfAsked();
       if (!message) break;
       coordinator_->Handle(*message, std::chrono::steady_clock::now());
       SendOutgoing();
@@ -66,6 +76,26 @@ Status CoordinatorServer::Run() {
   LogInfo("coordinator_stopped",
           {{"workers", coordinator_->scheduler().Workers().size()}, {"jobs", coordinator_->scheduler().Jobs().size()}});
   return {};
+}
+
+void CoordinatorServer::RereadIfAsked() {
+  if (!reread_.exchange(false)) return;
+  if (keys_dir_.empty()) {
+    LogWarning("keys_not_reread", {{"reason", "this coordinator was started without keys"}});
+    return;
+  }
+  Result<AllowedKeys> allowed = ReadAuthorized(std::filesystem::path(keys_dir_) / "authorized");
+  const Status replaced = allowed.ok() ? context_.Readmit(*allowed) : allowed.status();
+  if (!replaced.ok()) {
+    LogWarning("keys_not_reread", {{"reason", replaced.message()}, {"keys", allowed_.size()}});
+    return;
+  }
+  const auto gone = std::ranges::count_if(allowed_, [&](const auto& old) { return !allowed->contains(old.first); });
+  const auto added = std::ranges::count_if(*allowed, [&](const auto& key) { return !allowed_.contains(key.first); });
+  allowed_ = *std::move(allowed);
+  const int workers = coordinator_->DropUnlisted(allowed_, std::chrono::steady_clock::now());
+  LogInfo("keys_reread",
+          {{"keys", allowed_.size()}, {"added", added}, {"removed", gone}, {"workers_dropped", workers}});
 }
 
 void CoordinatorServer::SendOutgoing() {

@@ -7,6 +7,7 @@
 
 #include "common/base/status.h"
 #include "common/transport/context.h"
+#include "common/transport/farm_keys.h"
 #include "common/transport/poller.h"
 #include "common/transport/server_channel.h"
 #include "coordinator/service/coordinator.h"
@@ -26,16 +27,22 @@ class CoordinatorServer {
   [[nodiscard]] Status Run();
   // Ends Run soon. From any thread, and from signal handlers.
   void Stop();
+  // Has Run read the list of authorized keys again: who is no longer on it is refused from then on. With an error in it
+  // the old one stays, which the log tells. From any thread, and from signal handlers.
+  void RereadKeys();
 
  private:
   CoordinatorServer() = default;
   void SendOutgoing();
+  void RereadIfAsked();
 
-  bool secure_ = false;
+  std::string keys_dir_;  // empty: no CURVE
+  AllowedKeys allowed_;
   TransportContext context_;
   std::unique_ptr<ServerChannel> channel_;
   Poller poller_;
   std::atomic<bool> stop_{false};
+  std::atomic<bool> reread_{false};
   std::unique_ptr<Coordinator> coordinator_;
 };
 

@@ -30,6 +30,11 @@ void WorkerSessions::Remove(WorkerId id) {
   sessions_.erase(session);
 }
 
+void WorkerSessions::SetUser(WorkerId id, const std::string& user_id) {
+  const auto session = sessions_.find(id);
+  if (session != sessions_.end()) session->second.user_id = user_id;
+}
+
 const WorkerSession* WorkerSessions::Find(WorkerId id) const {
   const auto session = sessions_.find(id);
   return session == sessions_.end() ? nullptr : &session->second;

@@ -14,7 +14,8 @@ namespace depthfarm {
 struct WorkerSession {
   WorkerId id;
   std::string peer;     // of the newest Hello: a worker that reconnects is a new peer
-  std::string user_id;  // as whom it was authenticated
+  std::string key;      // public one with which it came; empty without CURVE
+  std::string user_id;  // whose key that is
   std::string name;
   std::string software_version;
   ArtifactLocation artifacts;
@@ -27,6 +28,8 @@ class WorkerSessions {
   // kInvalidArgument: the name is in use by another user.
   [[nodiscard]] Result<WorkerId> Join(WorkerSession hello);
   void Remove(WorkerId id);
+  // Its key is that user's now.
+  void SetUser(WorkerId id, const std::string& user_id);
 
   // Null when unknown.
   [[nodiscard]] const WorkerSession* Find(WorkerId id) const;

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <fstream>
 #include <optional>
 
 #include "tests/system/support.h"
@@ -60,12 +62,23 @@ TEST_F(Curve, AJobRunsOverTcpWithTheFarmsKeys) {
   EXPECT_THAT(DepthOf(output), SizeIs(3 * 4 + 1));
 }
 
-TEST_F(Curve, AKeyThatIsNotAuthorizedIsRefused) {
-  const std::string others = folder_ / "others";
-  ASSERT_EQ(Depthfarm({"keygen", "-o", others}).exit_code, 0);
-  // It knows the coordinator, but the coordinator does not know it.
-  fs::copy_file(fs::path(keys_) / "coordinator.pub", fs::path(others) / "coordinator.pub",
+// A folder of keys that the farm's coordinator does not know, but which knows the coordinator.
+std::string KeysOfSomebodyElse(const TemporaryFolder& folder, const std::string& farm_keys) {
+  std::string keys = folder / "others";
+  EXPECT_EQ(Depthfarm({"keygen", "-o", keys}).exit_code, 0);
+  fs::copy_file(fs::path(farm_keys) / "coordinator.pub", fs::path(keys) / "coordinator.pub",
                 fs::copy_options::overwrite_existing);
+  return keys;
+}
+
+std::size_t Count(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+  return count;
+}
+
+TEST_F(Curve, AKeyThatIsNotAuthorizedIsRefused) {
+  const std::string others = KeysOfSomebodyElse(folder_, keys_);
   const Outcome refused = Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", others, "--timeout", "2"});
   EXPECT_EQ(refused.exit_code, 3) << refused.output;
   const Outcome admitted = Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", keys_});
@@ -100,6 +113,88 @@ TEST_F(Curve, AWorkersKeyMaySubmitNothing) {
   fs::permissions(impostor / "client.key", fs::perms::owner_read | fs::perms::owner_write);
   const Outcome refused = Depthfarm({"cancel", "1", "--coordinator", farm_->endpoint(), "--keys", impostor.string()});
   EXPECT_EQ(refused.exit_code, 2) << refused.output;
+}
+
+TEST_F(Curve, TheListOfKeysIsReadAgainOnSighupWhileAJobGoesOn) {
+  const std::string others = KeysOfSomebodyElse(folder_, keys_);
+  const fs::path authorized = fs::path(keys_) / "authorized";
+  const std::string before = ReadFile(authorized);
+  const auto reread = [&](const std::string& list, const std::string& event) {
+    std::ofstream(authorized) << list;
+    const std::size_t lines = Count(farm_->CoordinatorLogged(), event);
+    farm_->SignalCoordinator(SIGHUP);
+    return WaitUntil([&] { return Count(farm_->CoordinatorLogged(), event) > lines; });
+  };
+  const auto workers = [&] { return farm_->client().ListWorkers().value().size(); };
+
+  farm_->AddWorker();
+  const std::string sequence = RenderScene(folder_.path() / "scene", {.frames = 12});
+  const std::string output = folder_ / "out";
+  const Outcome submitted = Depthfarm(Words{"submit", sequence, "-o", output} + SmallJob() + farm_->Options());
+  ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
+
+  // Added: it may come.
+  std::string other_key = ReadFile(fs::path(others) / "worker.pub");
+  other_key.pop_back();
+  ASSERT_TRUE(reread(before + "work " + other_key + " other\n", "keys_reread")) << farm_->Logs();
+  const int added = farm_->AddWorker({}, others);
+  EXPECT_TRUE(WaitUntil([&] { return workers() == 2U; })) << farm_->Logs();
+
+  // Broken: as it was.
+  ASSERT_TRUE(reread("work " + other_key + " other\nrubbish\n", "keys_not_reread")) << farm_->Logs();
+  EXPECT_NE(farm_->CoordinatorLogged().find("line 2: role is 'rubbish'"), std::string::npos);
+  EXPECT_EQ(workers(), 2U) << farm_->Logs();
+
+  // Removed: its worker ends, and one that comes with that key is not let in.
+  ASSERT_TRUE(reread(before, "keys_reread")) << farm_->Logs();
+  EXPECT_TRUE(WaitUntil([&] { return farm_->worker(added).Poll().has_value(); })) << farm_->Logs();
+  EXPECT_NE(farm_->LogOf(added).find("taken off the farm"), std::string::npos);
+  EXPECT_EQ(workers(), 1U) << farm_->Logs();
+  EXPECT_EQ(Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", others, "--timeout", "2"}).exit_code, 3);
+
+  const Outcome watched = Depthfarm(Words{"watch", "1"} + farm_->Options());
+  EXPECT_EQ(watched.exit_code, 0) << watched.output << farm_->Logs();
+  EXPECT_EQ(Depthfarm({"verify", output}).exit_code, 0);
+}
+
+TEST_F(Curve, AWorkerReadsAgainOnSighupWhoMayFetchFromIt) {
+  const int worker = farm_->AddWorker();
+  const auto logged = [&](const std::string& event) {
+    return WaitUntil([&] { return farm_->LogOf(worker).find(event) != std::string::npos; });
+  };
+  ASSERT_TRUE(logged("welcomed")) << farm_->Logs();
+  std::ofstream(fs::path(keys_) / "authorized", std::ios::app) << "# one more line\n";
+  farm_->worker(worker).Signal(SIGHUP);
+  EXPECT_TRUE(logged("keys_reread")) << farm_->Logs();
+  std::ofstream(fs::path(keys_) / "authorized", std::ios::app) << "rubbish\n";
+  farm_->worker(worker).Signal(SIGHUP);
+  EXPECT_TRUE(logged("keys_not_reread")) << farm_->Logs();
+  EXPECT_FALSE(farm_->worker(worker).Poll().has_value());
+}
+
+// Secret keys of a folder, as they stand in its files.
+Words SecretsOf(const fs::path& keys) {
+  Words secrets;
+  for (const char* name : {"coordinator", "worker", "client"}) {
+    secrets.push_back(ReadFile(keys / (std::string(name) + ".key")));
+    secrets.back().pop_back();
+  }
+  return secrets;
+}
+
+TEST_F(Curve, SecretKeysAreInNoLogAndOnNoCommandLine) {
+  const int worker = farm_->AddWorker({"--log-level", "debug"});
+  const std::string sequence = RenderScene(folder_.path() / "scene");
+  const Outcome waited =
+      Depthfarm(Words{"submit", sequence, "-o", folder_ / "out", "--wait"} + SmallJob() + farm_->Options());
+  ASSERT_EQ(waited.exit_code, 0) << waited.output << farm_->Logs();
+  std::string seen = farm_->Logs() + waited.output;
+  for (const pid_t pid : {farm_->coordinator_pid(), farm_->worker(worker).pid()}) {
+    const fs::path process = fs::path("/proc") / std::to_string(pid);
+    seen += ReadFile(process / "cmdline") + ReadFile(process / "environ");
+  }
+  EXPECT_NE(seen.find("--keys"), std::string::npos);
+  for (const std::string& secret : SecretsOf(keys_)) EXPECT_EQ(seen.find(secret), std::string::npos);
 }
 
 TEST(Insecure, AJobRunsOverLoopbackTcpWithoutKeys) {

@@ -199,9 +199,10 @@ void Farm::StartCoordinator() {
   if (const auto jobs = client_->ListJobs(); !jobs.ok()) problem_ = jobs.status().message() + "\n" + Logs();
 }
 
-int Farm::AddWorker(const Words& options) {
+int Farm::AddWorker(const Words& options, const std::string& keys) {
   const std::string name = "worker-" + std::to_string(workers_.size());
-  Words arguments = Words{"--coordinator", endpoint_} + SecurityOptions() + options;
+  Words arguments =
+      Words{"--coordinator", endpoint_} + (keys.empty() ? SecurityOptions() : Words{"--keys", keys}) + options;
   if (std::ranges::find(options, "--cache-dir") == options.end())
     arguments = arguments + Words{"--cache-dir", folder_ / (name + "-cache")};
   Result<ChildProcess> worker = ChildProcess::Start(Program("depthfarm-worker"), arguments, folder_ / (name + ".log"));

@@ -94,10 +94,15 @@ class Farm {
   // Ends the coordinator with this signal and starts another one at the same place, with the same journal. False (and
   // problem()) if that one does not answer.
   [[nodiscard]] bool RestartCoordinator(int signal);
+  // Sends it a signal that does not end it.
   void SignalCoordinator(int signal) { coordinator_->Signal(signal); }
+  [[nodiscard]] pid_t coordinator_pid() const { return coordinator_->pid(); }
+  // What the coordinator that runs logged so far.
+  [[nodiscard]] std::string CoordinatorLogged() const { return ReadFile(CoordinatorLog()); }
   [[nodiscard]] std::string Journal() const { return folder_ / "journal.sqlite"; }
-  // Starts a worker, with a folder of its own unless the options name one, and returns its index.
-  int AddWorker(const Words& options = {});
+  // Starts a worker, with a folder of its own unless the options name one, and returns its index. `keys`: other
+  // ones than the farm's.
+  int AddWorker(const Words& options = {}, const std::string& keys = "");
   // What the worker logged so far.
   [[nodiscard]] std::string LogOf(int index) const;
   [[nodiscard]] ChildProcess& worker(int index) { return workers_[static_cast<std::size_t>(index)]; }

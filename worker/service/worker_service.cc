@@ -128,6 +128,21 @@ void WorkerService::Stop() {
   poller_.Wake();
 }
 
+void WorkerService::RereadKeys() {
+  reread_ = true;
+  poller_.Wake();
+}
+
+void WorkerService::ReadmitPeers() {
+  Result<WorkerKeys> keys = ReadWorkerKeys(options_.keys);
+  const Status replaced = keys.ok() ? context_.Readmit(keys->allowed_peers) : keys.status();
+  if (replaced.ok()) {
+    LogInfo("keys_reread", {{"keys", keys->allowed_peers.size()}});
+  } else {
+    LogWarning("keys_not_reread", {{"reason", replaced.message()}});
+  }
+}
+
 Status WorkerService::Run() {
   LogInfo("worker_started", {{"name", identity_.name},
                              {"coordinator", options_.coordinator},
@@ -138,6 +153,7 @@ Status WorkerService::Run() {
   while (!exit_.has_value()) {
     if (options_.exit_with_parent) CheckParent();
     if (stop_requested_.exchange(false)) Handle(event::StopRequested{});
+    if (reread_.exchange(false)) ReadmitPeers();
     DEPTHFARM_RETURN_IF_ERROR(ReceiveAll());
     while (std::optional<LeasedOutcome> outcome = compute_->TakeOutcome()) OnOutcome(std::move(*outcome));
     ReportDropped();

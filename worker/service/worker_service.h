@@ -78,6 +78,9 @@ class WorkerService {
   [[nodiscard]] Status Run();
   // Asks Run to say goodbye and return. From any thread or signal handler.
   void Stop();
+  // Has Run read again which keys may fetch from this worker; with an error in them the old ones stay, which the log
+  // tells. From any thread or signal handler.
+  void RereadKeys();
   // After Run: whether a task did not notice in time that it was stopped. The destructor would wait for it.
   [[nodiscard]] bool busy() const { return compute_->busy(); }
 
@@ -93,6 +96,7 @@ class WorkerService {
   void RenewTerms();
   void ReportDropped();
   void CheckParent();
+  void ReadmitPeers();
   void Handle(const LifecycleEvent& event);
   void CarryOut(std::vector<LifecycleAction> actions);
   void Do(const lifecycle_action::SendHello& action);
@@ -112,6 +116,7 @@ class WorkerService {
   const int parent_;
   WorkerIdentity identity_;
   std::atomic<bool> stop_requested_ = false;
+  std::atomic<bool> reread_ = false;
   Poller poller_;
   TransportContext context_;
   std::unique_ptr<ArtifactStore> store_;

@@ -174,6 +174,33 @@ TEST(Curve, AKnownKeyEntersUnderItsUserIdAndAStrangerDoesNot) {
   EXPECT_EQ(Next(*server, kRefusal), std::nullopt);
 }
 
+TEST(Curve, AReplacedListHoldsForWhoIsConnectedAndForWhoComes) {
+  TransportContext context;
+  const Keys keys;
+  EXPECT_EQ(context.Readmit({}).code(), ErrorCode::kInternal);
+  ASSERT_TRUE(context.Authenticate({{keys.known.public_key, "work:node7"}}).ok());
+  const auto server = Bound(context, "tcp://127.0.0.1:*", {.curve_secret_key = keys.server.secret_key});
+  TransportContext outside;
+  const auto known = Connected(outside, server->endpoint(), As(keys.known, keys.server));
+  ASSERT_TRUE(known->Send("first").ok());
+  EXPECT_EQ(Next(*server)->key, keys.known.public_key);
+
+  ASSERT_TRUE(context.Readmit({{keys.known.public_key, "submit:anna"}, {keys.stranger.public_key, "work:new"}}).ok());
+  ASSERT_TRUE(known->Send("second").ok());
+  EXPECT_EQ(Next(*server)->user_id, "submit:anna");
+  const auto added = Connected(outside, server->endpoint(), As(keys.stranger, keys.server));
+  ASSERT_TRUE(added->Send("of the added").ok());
+  EXPECT_EQ(Next(*server)->user_id, "work:new");
+
+  ASSERT_TRUE(context.Readmit({{keys.stranger.public_key, "work:new"}}).ok());
+  ASSERT_TRUE(known->Send("of the removed").ok());
+  const auto again = Connected(outside, server->endpoint(), As(keys.known, keys.server));
+  ASSERT_TRUE(again->Send("of the removed, who comes anew").ok());
+  EXPECT_EQ(Next(*server, kRefusal), std::nullopt);
+  ASSERT_TRUE(added->Send("of the other").ok());
+  EXPECT_EQ(Next(*server)->payload, "of the other");
+}
+
 TEST(Curve, AServerWithoutAnAuthenticatorIsRefused) {
   TransportContext context;
   const auto server =

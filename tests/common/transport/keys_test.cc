@@ -108,6 +108,29 @@ TEST(Authorized, ErrorsNameTheLine) {
   EXPECT_EQ(message("work " + key + " node7\n"), "");
 }
 
+TEST(Authorized, AListThatOthersCanWriteIsRefused) {
+  const testing_support::TemporaryFolder folder;
+  ASSERT_TRUE(CreateFarmKeys(folder.path()).ok());
+  const auto file = folder.path() / "authorized";
+  ASSERT_TRUE(ReadAuthorized(file).ok());
+  for (const mode_t mode : {0664, 0646}) {
+    ASSERT_EQ(::chmod(file.c_str(), mode), 0);
+    const Result<AllowedKeys> read = ReadAuthorized(file);
+    EXPECT_EQ(read.status().code(), ErrorCode::kInvalidArgument);
+    EXPECT_NE(read.status().message().find("chmod go-w"), std::string::npos) << read.status().message();
+  }
+}
+
+TEST(FarmKeys, TheListIsClosedToOthersWhateverTheUmask) {
+  const testing_support::TemporaryFolder folder;
+  const mode_t before = ::umask(0);
+  const Status made = CreateFarmKeys(folder.path());
+  ::umask(before);
+  ASSERT_TRUE(made.ok()) << made.message();
+  EXPECT_TRUE(ReadAuthorized(folder.path() / "authorized").ok());
+  EXPECT_TRUE(ReadCoordinatorKeys(folder.path()).ok());
+}
+
 TEST(RoleOfUser, NeedsARoleAndAName) {
   EXPECT_EQ(RoleOfUser("submit:anna").value(), Role::kSubmit);
   EXPECT_FALSE(RoleOfUser("").ok());

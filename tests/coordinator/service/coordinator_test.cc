@@ -193,6 +193,55 @@ TEST(Coordinator, KeysHaveRoles) {
   EXPECT_TRUE(client.Call(SubmitRequest(2, "/out/a")).has_job_accepted());
 }
 
+TEST(Coordinator, AKeyThatIsTakenOffTheListEndsItsWorkersAndNobodyElses) {
+  const TemporaryFolder folder;
+  const std::string keys = folder.File("keys");
+  ASSERT_TRUE(CreateFarmKeys(keys).ok());
+  const WorkerKeys worker_keys = ReadWorkerKeys(keys).value();
+  const ClientKeys client_keys = ReadClientKeys(keys).value();
+  const CurveKeys other = GenerateCurveKeys().value();
+  // Two keys of one name, as in the middle of a rotation.
+  const std::string lines = "work " + other.public_key + " worker\nadmin " + client_keys.own.public_key + " client\n";
+  const std::string authorized = keys + "/authorized";
+  std::ofstream(authorized, std::ios::app) << "work " << other.public_key << " worker\n";
+  RunningCoordinator coordinator({.endpoint = "tcp://127.0.0.1:*", .keys_dir = keys});
+  TransportContext context;
+  const auto as = [&](const CurveKeys& own) {
+    return ClientOptions{.curve_server_public_key = worker_keys.coordinator_public_key, .curve_own = own};
+  };
+  FakePeer client(context, coordinator.endpoint(), as(client_keys.own));
+  ASSERT_TRUE(client.Call(SubmitRequest(2, "/out/a")).has_job_accepted());
+  FakeFarmWorker removed(context, coordinator.endpoint(), "removed", as(worker_keys.own));
+  removed.Hello();
+  ASSERT_TRUE(removed.peer.Receive().has_worker_welcome());
+  removed.Ask();
+  ASSERT_TRUE(removed.peer.Receive().has_grant_task());
+  FakeFarmWorker stays(context, coordinator.endpoint(), "stays", as(other));
+  stays.Hello();
+  ASSERT_TRUE(stays.peer.Receive().has_worker_welcome());
+
+  // A broken list changes nothing.
+  std::ofstream(authorized) << "work not-a-key\n";
+  coordinator.RereadKeys();
+  v1::Envelope list;
+  list.mutable_list_workers();
+  EXPECT_EQ(client.Call(list).worker_list().workers_size(), 2);
+
+  std::ofstream(authorized) << lines;
+  coordinator.RereadKeys();
+  EXPECT_NE(removed.peer.Receive().error().message().find("taken off"), std::string::npos);
+  EXPECT_TRUE(removed.peer.Receive().has_stop_worker());
+  const v1::Envelope left = client.Call(list);
+  ASSERT_EQ(left.worker_list().workers_size(), 1);
+  EXPECT_EQ(left.worker_list().workers(0).name(), "stays");
+  // Its task is another one's now, and it gets nothing more: neither a welcome nor an answer.
+  stays.Ask();
+  EXPECT_TRUE(stays.peer.Receive().has_grant_task());
+  removed.Hello();
+  EXPECT_EQ(client.Call(list).worker_list().workers_size(), 1);
+  EXPECT_EQ(removed.peer.TryReceive(), std::nullopt);
+}
+
 TEST(CoordinatorOptions, NameTheValueAndTheBound) {
   const auto message = [](const CoordinatorOptions& options) {
     return CoordinatorServer::Create(options).status().message();

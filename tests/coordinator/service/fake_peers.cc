@@ -16,6 +16,7 @@ namespace depthfarm {
 namespace {
 
 constexpr std::chrono::milliseconds kPatience{10'000};
+constexpr std::chrono::milliseconds kRefusal{200};
 
 }  // namespace
 
@@ -33,6 +34,11 @@ v1::Envelope FakePeer::Receive() {
     return {};
   }
   return ParseEnvelope(*bytes).value();
+}
+
+std::optional<v1::Envelope> FakePeer::TryReceive() {
+  const std::optional<std::string> bytes = channel_->Receive(kRefusal).value();
+  return bytes ? std::optional(ParseEnvelope(*bytes).value()) : std::nullopt;
 }
 
 v1::Envelope FakePeer::Await(v1::Envelope::BodyCase kind) {

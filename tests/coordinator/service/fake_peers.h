@@ -22,6 +22,8 @@ class FakePeer {
   void SendBytes(const std::string& bytes);
   // The next message; an empty envelope when none comes in ten seconds.
   [[nodiscard]] v1::Envelope Receive();
+  // The same, but nothing when none comes in a fifth of a second.
+  [[nodiscard]] std::optional<v1::Envelope> TryReceive();
   // The next message of a kind; others are skipped.
   [[nodiscard]] v1::Envelope Await(v1::Envelope::BodyCase kind);
   [[nodiscard]] v1::Envelope Call(const v1::Envelope& request);
@@ -54,6 +56,8 @@ class RunningCoordinator {
   explicit RunningCoordinator(const CoordinatorOptions& options);
   ~RunningCoordinator();
   [[nodiscard]] const std::string& endpoint() const { return coordinator_->endpoint(); }
+  // Has it read the list of keys again.
+  void RereadKeys() { coordinator_->RereadKeys(); }
   // Waits for the end that somebody else asked for.
   void Join() { thread_.join(); }
 

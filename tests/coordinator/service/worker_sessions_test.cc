@@ -6,7 +6,7 @@ namespace depthfarm {
 namespace {
 
 WorkerSession Hello(const std::string& peer, const std::string& name, const std::string& user = "work:a") {
-  return {WorkerId(), peer, user, name, "1", {}};
+  return {WorkerId(), peer, "key of " + user, user, name, "1", {}};
 }
 
 TEST(WorkerSessions, ANameKeepsItsIdUnderANewPeer) {
@@ -31,6 +31,13 @@ TEST(WorkerSessions, APeerIsOneWorker) {
   const WorkerId second = sessions.Join(Hello("p1", "w2")).value();
   EXPECT_NE(first, second);
   EXPECT_EQ(sessions.Find(first), nullptr);
+}
+
+TEST(WorkerSessions, AKeyThatGotAnotherUserKeepsItsWorkers) {
+  WorkerSessions sessions;
+  const WorkerId id = sessions.Join(Hello("p1", "w")).value();
+  sessions.SetUser(id, "work:b");
+  EXPECT_EQ(sessions.Join(Hello("p2", "w", "work:b")).value(), id);
 }
 
 TEST(WorkerSessions, WhoLeftIsForgottenEverywhere) {
