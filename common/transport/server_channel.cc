@@ -4,6 +4,7 @@
 
 #include "common/transport/context_state.h"
 #include "common/transport/endpoint.h"
+#include "common/transport/handshake_monitor.h"
 #include "common/transport/keys.h"
 #include "common/transport/socket.h"
 
@@ -27,7 +28,10 @@ zmq::message_t FrameOf(std::string bytes) {
 struct ServerChannel::State {
   zmq::socket_t socket;
   std::string endpoint;
-  const AdmittedKeys* admitted = nullptr;  // null: no CURVE
+  const AdmittedKeys* admitted = nullptr;        // null: no CURVE
+  std::unique_ptr<HandshakeMonitor> handshakes;  // same; ends before the socket
+  std::uint64_t removed_key = 0;                 // messages that were skipped
+  std::uint64_t wrong_frames = 0;                // same
 };
 
 ServerChannel::ServerChannel() : state_(std::make_unique<State>()) {}
@@ -49,6 +53,7 @@ Result<std::unique_ptr<ServerChannel>> ServerChannel::Bind(TransportContext& con
     socket.set(zmq::sockopt::router_mandatory, 1);
     if (curve) {
       channel->state_->admitted = context.state().admitted.get();
+      channel->state_->handshakes = std::make_unique<HandshakeMonitor>(context.state().zmq, socket);
       socket.set(zmq::sockopt::curve_server, 1);
       socket.set(zmq::sockopt::curve_secretkey, options.curve_secret_key);
       socket.set(zmq::sockopt::zap_domain, "depthfarm");
@@ -77,13 +82,19 @@ Result<std::optional<PeerMessage>> ServerChannel::Receive() {
         more = frame.more();
         if (frames == 0) payload = std::move(frame);
       }
-      if (frames != 1) continue;
+      if (frames != 1) {
+        ++state_->wrong_frames;
+        continue;
+      }
       PeerMessage message{peer.to_string(), "", payload.to_string()};
       if (state_->admitted != nullptr) {
         // As the authenticator gave it: what a peer says of itself does not replace it.
         if (const char* key = zmq_msg_gets(payload.handle(), "User-Id")) message.key = key;
         std::optional<std::string> user = state_->admitted->UserOf(message.key);
-        if (!user) continue;
+        if (!user) {
+          ++state_->removed_key;
+          continue;
+        }
         message.user_id = *std::move(user);
       }
       return std::optional<PeerMessage>(std::move(message));
@@ -119,6 +130,16 @@ Status ServerChannel::Send(std::string_view peer, std::string_view payload, std:
   } catch (const zmq::error_t& error) {
     return SocketFailure("send on", state_->endpoint, error);
   }
+}
+
+ServerRefusals ServerChannel::refusals() const {
+  ServerRefusals refusals{.messages_removed_key = state_->removed_key, .messages_frames = state_->wrong_frames};
+  if (const HandshakeMonitor* handshakes = state_->handshakes.get()) {
+    refusals.handshakes_wrong_key = handshakes->wrong_key();
+    refusals.handshakes_malformed = handshakes->malformed();
+    refusals.handshakes_unfinished = handshakes->unfinished();
+  }
+  return refusals;
 }
 
 void* ServerChannel::native_socket() const { return state_->socket.handle(); }

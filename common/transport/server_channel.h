@@ -2,6 +2,7 @@
 #define DEPTHFARM_COMMON_TRANSPORT_SERVER_CHANNEL_H_
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +29,19 @@ struct PeerMessage {
   std::string key = {};  // the sender's public key; empty without CURVE
 };
 
+// What a server did not let in or skipped, since it was bound; handshakes are counted with CURVE only.
+struct ServerRefusals {
+  std::uint64_t handshakes_wrong_key = 0;   // by a key that is not listed
+  std::uint64_t handshakes_malformed = 0;   // that broke the protocol, or were made for another server's key
+  std::uint64_t handshakes_unfinished = 0;  // by somebody who said nothing for too long, or went
+  std::uint64_t messages_removed_key = 0;   // on connections of keys that are no longer listed
+  std::uint64_t messages_frames = 0;        // of a wrong number of frames
+
+  [[nodiscard]] std::uint64_t total() const {
+    return handshakes_wrong_key + handshakes_malformed + handshakes_unfinished + messages_removed_key + messages_frames;
+  }
+};
+
 // Many peers, one socket (ROUTER). Not thread-safe.
 class ServerChannel : public Channel {
  public:
@@ -48,6 +62,7 @@ class ServerChannel : public Channel {
   // With a second frame, which is not copied.
   [[nodiscard]] Status Send(std::string_view peer, std::string_view payload, std::string attachment);
 
+  [[nodiscard]] ServerRefusals refusals() const;
   [[nodiscard]] void* native_socket() const override;
 
  private:

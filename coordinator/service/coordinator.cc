@@ -23,6 +23,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr int kMaxVersionText = 100;
+constexpr std::size_t kMaxLoggedReason = 200;
 constexpr std::size_t kMostKeptJobs = 20'000;  // all are listed in one message
 
 SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint64_t first_lease) {
@@ -164,11 +165,14 @@ void Coordinator::Handle(const PeerMessage& message, TimePoint now) {
   now_ = now;
   const Result<v1::Envelope> envelope = ParseEnvelope(message.payload);
   if (!envelope.ok()) {
+    const bool other_version = envelope.status().code() == ErrorCode::kIncompatible;
+    CountRefusal(other_version ? refusals_.other_version : refusals_.malformed, message.user_id, envelope.status());
     Refuse(message, 0, envelope.status());
     return;
   }
   const Status allowed = CheckRole(message.user_id, secure_, *envelope);
   if (!allowed.ok()) {
+    CountRefusal(refusals_.wrong_role, message.user_id, allowed);
     Refuse(message, envelope->request_id(), allowed);
   } else if (IsFromWorker(*envelope)) {
     HandleFromWorker(message, *envelope);
@@ -273,7 +277,7 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
 void Coordinator::HandleTaskFinished(WorkerId worker, const v1::TaskFinished& message) {
   const Result<TaskId> task = FromProto(message.task());
   if (!task.ok()) {
-    LogWarning("message_refused", {{"worker", worker.value()}, {"reason", task.status().message()}});
+    CountRefusal(refusals_.malformed, "worker " + std::to_string(worker.value()), task.status());
     return;  // the lease runs out
   }
   const LeaseId lease(message.lease_id());
@@ -471,6 +475,12 @@ void Coordinator::Send(const std::string& peer, v1::Envelope envelope) {
 
 void Coordinator::SendTo(WorkerId worker, v1::Envelope envelope) {
   if (const WorkerSession* session = workers_.Find(worker)) Send(session->peer, std::move(envelope));
+}
+
+void Coordinator::CountRefusal(std::uint64_t& counter, const std::string& user, const Status& reason) {
+  ++counter;
+  refusals_.last_user = user;
+  refusals_.last_reason = reason.message().substr(0, kMaxLoggedReason);
 }
 
 void Coordinator::Refuse(const PeerMessage& message, std::uint64_t request_id, const Status& reason) {

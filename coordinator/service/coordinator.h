@@ -19,6 +19,7 @@
 #include "coordinator/scheduling/scheduler.h"
 #include "coordinator/service/attempt_records.h"
 #include "coordinator/service/job_history.h"
+#include "coordinator/service/refusals.h"
 #include "coordinator/service/worker_sessions.h"
 
 namespace depthfarm {
@@ -64,6 +65,7 @@ class Coordinator {
   // What is to be sent, in order; empty until the next call that makes some.
   [[nodiscard]] std::vector<OutgoingMessage> TakeOutgoing() { return std::exchange(outgoing_, {}); }
 
+  [[nodiscard]] const MessageRefusals& refusals() const { return refusals_; }
   // Whether a client asked for the end.
   [[nodiscard]] bool asked_to_stop() const { return asked_to_stop_; }
   // Tells the workers to stop.
@@ -116,6 +118,7 @@ class Coordinator {
   void Send(const std::string& peer, v1::Envelope envelope);
   void SendTo(WorkerId worker, v1::Envelope envelope);
   void Refuse(const PeerMessage& message, std::uint64_t request_id, const Status& reason);
+  void CountRefusal(std::uint64_t& counter, const std::string& user, const Status& reason);
 
   const CoordinatorOptions options_;
   const bool secure_;
@@ -136,6 +139,7 @@ class Coordinator {
   // Of the jobs that ran since the coordinator was started: when each was submitted, what became of its attempts.
   std::map<JobId, TimePoint> submitted_;
   AttemptRecords attempts_;
+  MessageRefusals refusals_;
   std::uint64_t last_job_ = 0;
   std::uint64_t last_claim_;  // counted from the first lease on: no other coordinator has used it
 };

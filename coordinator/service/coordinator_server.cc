@@ -70,6 +70,7 @@ Status CoordinatorServer::Run() {
     }
     coordinator_->Tick(std::chrono::steady_clock::now());
     SendOutgoing();
+    LogRefusals(std::chrono::steady_clock::now());
   }
   coordinator_->SayGoodbye();
   SendOutgoing();
@@ -96,6 +97,22 @@ void CoordinatorServer::RereadIfAsked() {
   const int workers = coordinator_->DropUnlisted(allowed_, std::chrono::steady_clock::now());
   LogInfo("keys_reread",
           {{"keys", allowed_.size()}, {"added", added}, {"removed", gone}, {"workers_dropped", workers}});
+}
+
+void CoordinatorServer::LogRefusals(TimePoint now) {
+  const ServerRefusals server = channel_->refusals();
+  const MessageRefusals& messages = coordinator_->refusals();
+  if (!pace_.Due(server.total() + messages.total(), now)) return;
+  LogWarning("refused_so_far", {{"handshakes_wrong_key", server.handshakes_wrong_key},
+                                {"handshakes_malformed", server.handshakes_malformed},
+                                {"handshakes_unfinished", server.handshakes_unfinished},
+                                {"messages_removed_key", server.messages_removed_key},
+                                {"messages_frames", server.messages_frames},
+                                {"messages_malformed", messages.malformed},
+                                {"messages_other_version", messages.other_version},
+                                {"messages_wrong_role", messages.wrong_role},
+                                {"last_user", messages.last_user},
+                                {"last_reason", messages.last_reason}});
 }
 
 void CoordinatorServer::SendOutgoing() {

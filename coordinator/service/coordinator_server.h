@@ -11,6 +11,7 @@
 #include "common/transport/poller.h"
 #include "common/transport/server_channel.h"
 #include "coordinator/service/coordinator.h"
+#include "coordinator/service/refusals.h"
 
 namespace depthfarm {
 
@@ -35,6 +36,7 @@ class CoordinatorServer {
   CoordinatorServer() = default;
   void SendOutgoing();
   void RereadIfAsked();
+  void LogRefusals(TimePoint now);
 
   std::string keys_dir_;  // empty: no CURVE
   AllowedKeys allowed_;
@@ -43,6 +45,7 @@ class CoordinatorServer {
   Poller poller_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> reread_{false};
+  RefusalPace pace_;
   std::unique_ptr<Coordinator> coordinator_;
 };
 

@@ -83,6 +83,8 @@ TEST_F(Curve, AKeyThatIsNotAuthorizedIsRefused) {
   EXPECT_EQ(refused.exit_code, 3) << refused.output;
   const Outcome admitted = Depthfarm({"jobs", "--coordinator", farm_->endpoint(), "--keys", keys_});
   EXPECT_EQ(admitted.exit_code, 0) << admitted.output;
+  // It is told in the log, and not once for each time that it tried.
+  EXPECT_TRUE(WaitUntil([&] { return Count(farm_->CoordinatorLogged(), "refused_so_far") == 1U; })) << farm_->Logs();
 }
 
 TEST_F(Curve, AnotherCoordinatorsKeyIsNotBelieved) {

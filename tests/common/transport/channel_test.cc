@@ -199,6 +199,35 @@ TEST(Curve, AReplacedListHoldsForWhoIsConnectedAndForWhoComes) {
   EXPECT_EQ(Next(*server, kRefusal), std::nullopt);
   ASSERT_TRUE(added->Send("of the other").ok());
   EXPECT_EQ(Next(*server)->payload, "of the other");
+  EXPECT_EQ(server->refusals().messages_removed_key, 1U);
+}
+
+TEST(Curve, FailedHandshakesAreCountedByWhatWasWrong) {
+  TransportContext context;
+  const Keys keys;
+  ASSERT_TRUE(context.Authenticate({{keys.known.public_key, "work:node7"}}).ok());
+  const auto server = Bound(context, "tcp://127.0.0.1:*", {.curve_secret_key = keys.server.secret_key});
+  TransportContext outside;
+  const auto counted = [&](std::uint64_t ServerRefusals::*counter) {
+    const auto deadline = std::chrono::steady_clock::now() + kPatience;
+    while (server->refusals().*counter == 0 && std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    return server->refusals().*counter;
+  };
+  const auto known = Connected(outside, server->endpoint(), As(keys.known, keys.server));
+  ASSERT_TRUE(known->Send("known").ok());
+  ASSERT_TRUE(Next(*server).has_value());
+  EXPECT_EQ(server->refusals().total(), 0U);
+  {
+    const auto stranger = Connected(outside, server->endpoint(), As(keys.stranger, keys.server));
+    EXPECT_GE(counted(&ServerRefusals::handshakes_wrong_key), 1U);
+  }
+  {
+    const auto wrong_server = Connected(outside, server->endpoint(), As(keys.known, keys.stranger));
+    EXPECT_GE(counted(&ServerRefusals::handshakes_malformed), 1U);
+  }
+  EXPECT_EQ(server->refusals().messages_removed_key + server->refusals().messages_frames, 0U);
 }
 
 TEST(Curve, AServerWithoutAnAuthenticatorIsRefused) {

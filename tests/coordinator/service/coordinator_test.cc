@@ -242,6 +242,27 @@ TEST(Coordinator, AKeyThatIsTakenOffTheListEndsItsWorkersAndNobodyElses) {
   EXPECT_EQ(removed.peer.TryReceive(), std::nullopt);
 }
 
+TEST(Coordinator, CountsWhatItDoesNotTake) {
+  Coordinator coordinator({}, 1, Journal::Open("", {}).value(), true);
+  const auto handle = [&](const std::string& user, const std::string& payload) {
+    coordinator.Handle({"peer", user, payload, "key"}, {});
+  };
+  v1::Envelope list;
+  list.mutable_list_workers();
+  handle("submit:anna", SerializeEnvelope(list));
+  EXPECT_EQ(coordinator.refusals().total(), 0U);
+  handle("work:w", SerializeEnvelope(list));
+  EXPECT_EQ(coordinator.refusals().wrong_role, 1U);
+  EXPECT_EQ(coordinator.refusals().last_user, "work:w");
+  handle("submit:anna", "no envelope");
+  EXPECT_EQ(coordinator.refusals().malformed, 1U);
+  v1::Envelope old = list;
+  old.set_protocol_version(1);
+  handle("submit:anna", old.SerializeAsString());
+  EXPECT_EQ(coordinator.refusals().other_version, 1U);
+  EXPECT_EQ(coordinator.refusals().total(), 3U);
+}
+
 TEST(CoordinatorOptions, NameTheValueAndTheBound) {
   const auto message = [](const CoordinatorOptions& options) {
     return CoordinatorServer::Create(options).status().message();
