@@ -11,6 +11,7 @@
 
 #include "common/files/atomic_file.h"
 #include "common/log/log.h"
+#include "common/transport/descriptor_limit.h"
 #include "coordinator/journal/journal.h"
 #include "coordinator/service/coordinator_server.h"
 
@@ -113,6 +114,7 @@ int main(int argc, char** argv) {
   if (!journal_file.ok()) return Fail(journal_file.status());
   options.journal = std::move(journal_file).value();
 
+  depthfarm::RaiseDescriptorLimit();
   // From before the keys are read: a signal meanwhile has them read once more. Without keys a hangup ends the program
   // as always.
   if (!options.keys_dir.empty()) HandleSignal(SIGHUP, OnHangup);

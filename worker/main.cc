@@ -15,6 +15,7 @@
 
 #include "common/log/log.h"
 #include "common/log/log_collector.h"
+#include "common/transport/descriptor_limit.h"
 #include "common/wire/bounds.h"
 #include "worker/service/worker_service.h"
 
@@ -110,6 +111,7 @@ int RunWorker(WorkerOptions options) {
   // rarely enough for those of a slot to share one.
   mallopt(M_ARENA_MAX, options.slots);
   InstallSignalHandlers(!options.keys.empty());
+  RaiseDescriptorLimit();
   TemporaryCache cache;
   if (options.cache_dir.empty()) {
     const Status made = cache.Make();
