@@ -67,10 +67,11 @@ Result<Role> RoleOfUser(std::string_view user_id) {
 
 Status CreateFarmKeys(const std::filesystem::path& dir) {
   std::error_code error;
-  std::filesystem::create_directories(dir, error);
+  const bool made = std::filesystem::create_directories(dir, error);
   if (error) return Unavailable("cannot make folder " + dir.string() + ": " + error.message());
   DEPTHFARM_RETURN_IF_ERROR(CheckNothingThere(dir));
-  if (::chmod(dir.c_str(), 0700) != 0) {
+  // A folder that was there keeps its mode, others may use it for something else; the keys are closed in any case.
+  if (made && ::chmod(dir.c_str(), 0700) != 0) {
     return Unavailable("cannot close folder " + dir.string() + " to others: " + std::strerror(errno));
   }
   std::string coordinator;

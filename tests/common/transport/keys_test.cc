@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "common/transport/farm_keys.h"
@@ -119,6 +120,16 @@ TEST(Authorized, AListThatOthersCanWriteIsRefused) {
     EXPECT_EQ(read.status().code(), ErrorCode::kInvalidArgument);
     EXPECT_NE(read.status().message().find("chmod go-w"), std::string::npos) << read.status().message();
   }
+}
+
+TEST(FarmKeys, AFolderThatWasThereStaysAsOpenAsItWas) {
+  const testing_support::TemporaryFolder folder;
+  const auto open = std::filesystem::perms(0755);
+  std::filesystem::permissions(folder.path(), open);
+  ASSERT_TRUE(CreateFarmKeys(folder.path()).ok());
+  EXPECT_EQ(std::filesystem::status(folder.path()).permissions(), open);
+  ASSERT_TRUE(CreateFarmKeys(folder.path() / "made").ok());
+  EXPECT_EQ(std::filesystem::status(folder.path() / "made").permissions(), std::filesystem::perms(0700));
 }
 
 TEST(FarmKeys, TheListIsClosedToOthersWhateverTheUmask) {
