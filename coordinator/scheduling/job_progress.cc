@@ -495,6 +495,9 @@ void JobProgress::LoseFrame(int frame) {
 }
 
 void JobProgress::RestoreGop(int gop) {
+  // The I frame that GOPs share leaves with the last frame, and a job that waits to be confirmed may lose one after that.
+  const std::vector<TaskId> shared = plan_.SharedByGops();
+  if (gop > 0 && !shared.empty() && table_.Find(shared.front()) == nullptr) RestoreGop(0);
   std::vector<TaskId> tasks = plan_.TasksOfGop(gop);
   std::erase_if(tasks, [&](const TaskId& id) { return table_.Find(id) != nullptr; });  // of the I frame that GOPs share
   remaining_.OpenAgain(gop);

@@ -798,6 +798,35 @@ TEST_P(ResumedKept, WhatNobodyAnnouncesIsMadeAgain) {
   for (const StageSnapshot& stage : after.ended.at(JobId(1)).stages) EXPECT_EQ(stage.tasks_done, stage.tasks_total);
 }
 
+// Whichever it is: one that refers to the I frame of the first GOP finds its tasks gone.
+TEST(KeptResultsOfAJob, OneThatIsLostBeforeTheyAreConfirmedIsMadeAgain) {
+  const PlannedJob job = MakePlannedJob(
+      {.frames = 8, .gop = 3, .views = 2, .refine = 2, .anchor = Anchor::kShared, .keeps_results = true});
+  FakeFarm before;
+  before.Submit(job);
+  const WorkerId worker = before.JoinAndAsk();
+  before.RunToTheEnd();
+  const CommittedFrames committed = before.committed.at(JobId(1));
+  ASSERT_EQ(committed.size(), 8U);
+  for (int lost = 0; lost < 8; ++lost) {
+    SCOPED_TRACE(lost);
+    FakeFarm after;
+    after.Resume(job, committed);
+    const WorkerId again = after.Join();
+    for (const auto& [frame, done] : committed) {
+      const ArtifactKey& key = done.bundle->key;
+      if (frame != lost) after.At(again).store[key] = before.At(worker).store.at(key);
+    }
+    after.Rejoin(again);
+    after.Ask(again);
+    after.RunToTheEnd();
+    EXPECT_EQ(after.ended.at(JobId(1)).state, JobState::kDone);
+    for (int frame = 0; frame < 8; ++frame)
+      EXPECT_EQ(after.CountGrants(TaskKind::kEmit, frame), frame == lost ? 1 : 0) << frame;
+    for (const StageSnapshot& stage : after.ended.at(JobId(1)).stages) EXPECT_EQ(stage.tasks_done, stage.tasks_total);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(KeptResultsOfAJob, ResumedKept,
                          testing::Combine(testing::Values(Anchor::kGop, Anchor::kShared),
                                           testing::Values(1, 3, 4, 6, 7, 8)));
