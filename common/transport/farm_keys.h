@@ -23,8 +23,8 @@ using AllowedKeys = std::map<std::string, std::string>;
 // Role of a user id "role:name"; kInvalidArgument for anything else.
 [[nodiscard]] Result<Role> RoleOfUser(std::string_view user_id);
 
-// Makes DIR (0700, unless it is there already) with coordinator.key, coordinator.pub, worker.key, worker.pub, client.key, client.pub and authorized
-// (worker: work, client: admin). kInvalidArgument if one of them exists.
+// Makes DIR (0700, unless it is there already) with coordinator.key, coordinator.pub, worker.key, worker.pub,
+// client.key, client.pub and authorized (worker: work, client: admin). kInvalidArgument if one of them exists.
 [[nodiscard]] Status CreateFarmKeys(const std::filesystem::path& dir);
 
 // Lines "<role> <public key> [name]"; empty lines and lines that begin with '#' count nothing. The name defaults to the

@@ -18,8 +18,8 @@ struct JobRequest {
   std::string output_dir;  // absolute
 };
 
-// Reads sequence and parameters, resolves the job and looks at every picture and mask of its frames; the output folder is left
-// out. Errors (kInvalidArgument): whatever is wrong with any of them, naming option, or file, camera and frame.
+// Reads sequence and parameters, resolves the job and looks at every picture and mask of its frames; the output folder
+// is left out. Errors (kInvalidArgument): whatever is wrong with any of them, naming option, or file, camera and frame.
 [[nodiscard]] Result<JobRequest> ReadJobRequest(const JobArguments& arguments);
 
 // The same, and looks at the output folder.

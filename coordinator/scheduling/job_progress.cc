@@ -495,7 +495,8 @@ void JobProgress::LoseFrame(int frame) {
 }
 
 void JobProgress::RestoreGop(int gop) {
-  // The I frame that GOPs share leaves with the last frame, and a job that waits to be confirmed may lose one after that.
+  // The I frame that GOPs share leaves with the last frame, and a job that waits to be confirmed may lose one after
+  // that.
   const std::vector<TaskId> shared = plan_.SharedByGops();
   if (gop > 0 && !shared.empty() && table_.Find(shared.front()) == nullptr) RestoreGop(0);
   std::vector<TaskId> tasks = plan_.TasksOfGop(gop);
