@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 constexpr Milliseconds kTick{200};
 constexpr Milliseconds kSettle{120'000};
-constexpr std::chrono::hours kPatience{4};  // after the last fault: one worker may have a dozen jobs of long tasks to do
+// After the last fault: one worker may have a dozen jobs of long tasks to do.
+constexpr std::chrono::hours kPatience{4};
 constexpr const char* kCoordinator = "coordinator";
 constexpr int kPatientAttempts = 50;  // so many failures of one task do not come by chance
 
