@@ -73,7 +73,12 @@ Result<std::vector<Camera>> CamerasOf(const SynthesizeCommandOptions& options, c
     return std::vector<Camera>{input.views[static_cast<std::size_t>(view)].camera};
   }
   if (!options.camera_file.empty()) {
-    DEPTHFARM_ASSIGN_OR_RETURN(std::vector<Camera> cameras, ReadCameras(options.camera_file));
+    Result<std::vector<Camera>> read = ReadCameras(options.camera_file);
+    if (!read.ok() && FindView(input, options.camera_file).ok()) {
+      return InvalidArgument(read.status().message() + "; for the view of the sequence's camera '" +
+                             options.camera_file + "' say --view " + options.camera_file);
+    }
+    DEPTHFARM_ASSIGN_OR_RETURN(std::vector<Camera> cameras, std::move(read));
     for (const Camera& camera : cameras) {
       if (camera.width == cameras.front().width && camera.height == cameras.front().height) continue;
       return InvalidArgument(options.camera_file + ": camera '" + camera.name + "' is " + std::to_string(camera.width) +
