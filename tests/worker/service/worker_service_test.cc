@@ -81,6 +81,7 @@ class WorkerServiceTest : public testing::Test {
     grant.mutable_grant_task()->set_lease_id(lease);
     grant.mutable_grant_task()->set_ask_id(ask_);
     grant.mutable_grant_task()->set_attempt(1);
+    grant.mutable_grant_task()->set_claim(job_.config.claim);
     *grant.mutable_grant_task()->mutable_task() = ToProto(spec);
     if (with_job) *grant.mutable_grant_task()->mutable_job() = ToProto(job_.config);
     Send(grant);
@@ -142,6 +143,19 @@ TEST_F(WorkerServiceTest, GivesBackATaskOfAJobItDoesNotKnow) {
   Grant(11, job_.Analyse(0, 0), false);
   const v1::Error error = Await(v1::Envelope::kTaskFinished).task_finished().error();
   EXPECT_EQ(error.code(), v1::CODE_LEASE_EXPIRED);  // nobody's failure
+  EXPECT_THAT(error.message(), testing::HasSubstr("never told of this run of the job"));
+}
+
+TEST_F(WorkerServiceTest, GivesBackATaskOfARunOfWhichItKnowsAnEarlierOneAlone) {
+  Welcome();
+  job_.config.claim = 1;
+  Grant(11, job_.Analyse(0, 0), true);
+  EXPECT_EQ(Await(v1::Envelope::kTaskFinished).task_finished().error().code(), v1::CODE_OK);
+  ask_ = Await(v1::Envelope::kAskForTask).ask_for_task().ask_id();
+  job_.config.claim = 2;
+  Grant(12, job_.Analyse(0, 1), false);
+  const v1::Error error = Await(v1::Envelope::kTaskFinished).task_finished().error();
+  EXPECT_EQ(error.code(), v1::CODE_LEASE_EXPIRED);
   EXPECT_THAT(error.message(), testing::HasSubstr("never told of this run of the job"));
 }
 
