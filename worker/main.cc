@@ -159,6 +159,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> path_map;
   std::string log_level = "info";
   double give_up_seconds = 0;
+  double stop_grace_seconds = 0;
   app.add_option("--coordinator", options.coordinator, "tcp://HOST:PORT or ipc://PATH of the coordinator")->required();
   app.add_option(
       "--keys", keys,
@@ -209,6 +210,12 @@ int main(int argc, char** argv) {
   app.add_flag("--exit-with-parent", options.exit_with_parent, "end when the process that started this one ends");
   app.add_option("--give-up-seconds", give_up_seconds, "end after so long without the coordinator; 0: never")
       ->check(CLI::Range(0.0, 1e9));
+  app.add_option(
+         "--stop-grace", stop_grace_seconds,
+         "seconds that tasks may take to end after SIGTERM or SIGINT before they are handed back; a second signal "
+         "hands them back at once; default: 0")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, 1e6));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -221,6 +228,7 @@ int main(int argc, char** argv) {
   options.paths = std::move(*paths);
   options.keys = keys;
   options.cache_dir = cache_dir;
+  options.stop_grace = Milliseconds(static_cast<std::int64_t>(stop_grace_seconds * 1000));
   if (give_up_seconds > 0) options.give_up = Milliseconds(static_cast<std::int64_t>(give_up_seconds * 1000));
   const Status level = SetLogLevel(log_level);
   if (!level.ok()) return Fail(level, kExitBadUsage);

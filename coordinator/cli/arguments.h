@@ -8,6 +8,7 @@
 
 #include "coordinator/cli/estimation_options.h"
 #include "coordinator/cli/farm_options.h"
+#include "coordinator/clusters/cluster_options.h"
 
 namespace depthfarm {
 
@@ -17,6 +18,14 @@ struct JobArguments {
   std::string output_dir;
   bool allow_outside = false;
   EstimationArguments estimation;
+};
+
+// A farm whose workers an engine provides.
+struct EngineArguments {
+  ClusterOptions options;
+  std::string engine = "local";
+  std::string workers;  // a number or a range; empty: not said
+  std::string state_dir;
 };
 
 struct LocalFarmArguments {
@@ -32,6 +41,7 @@ struct DemoArguments {
 struct RunArguments {
   JobArguments job;
   LocalFarmArguments farm;
+  EngineArguments engine;
   bool json = false;
 };
 struct PlanArguments {
@@ -116,10 +126,18 @@ struct KeygenArguments {
   std::string output_dir;
 };
 
+struct ClusterArguments {
+  enum class Action { kUp, kStatus, kDown, kManage };
+  Action action = Action::kUp;
+  EngineArguments engine;
+  bool foreground = false;
+  bool json = false;
+};
+
 using CommandArguments =
     std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments, StatusArguments,
                  WatchArguments, LogsArguments, JobsArguments, CancelArguments, RetryArguments, WorkersArguments,
-                 DrainArguments, FetchArguments, VerifyArguments, KeygenArguments>;
+                 DrainArguments, FetchArguments, VerifyArguments, KeygenArguments, ClusterArguments>;
 
 }  // namespace depthfarm
 

@@ -25,6 +25,7 @@ namespace depthfarm {
 [[nodiscard]] int Execute(const FetchArguments& arguments);
 [[nodiscard]] int Execute(const VerifyArguments& arguments);
 [[nodiscard]] int Execute(const KeygenArguments& arguments);
+[[nodiscard]] int Execute(const ClusterArguments& arguments);
 
 // Says on stderr what failed and returns the exit code for it.
 [[nodiscard]] int Fail(const Status& status);

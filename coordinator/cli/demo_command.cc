@@ -32,7 +32,7 @@ int RunFarm(const std::string& sequence, const std::string& output_dir) {
   RunArguments run;
   run.job.sequence = sequence;
   run.job.output_dir = output_dir;
-  run.farm.workers = 2;
+  run.engine.workers = "2";
   return Execute(run);
 }
 

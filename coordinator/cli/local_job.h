@@ -10,13 +10,13 @@
 
 namespace depthfarm {
 
-// A job that has ended on a local farm.
+// A job that has ended on a farm of its own.
 struct LocalJob {
   v1::JobStatus status;
   std::string started;      // UTC, ISO 8601
   double wall_seconds = 0;  // with starting and stopping the farm
-  int workers = 0;
-  int threads = 1;  // of each worker
+  int workers = 0;          // at most
+  int threads = 1;          // of each worker
   int respawns = 0;
   std::string log_tails;  // where it failed for another reason than its input: the ends of the farm's logs
 };

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
@@ -89,6 +90,33 @@ Status ReplaceProcess(const std::filesystem::path& program, const std::vector<st
   const std::vector<char*> pointers = ArgumentPointers(words);
   ::execv(program.c_str(), pointers.data());
   return Unavailable("cannot execute " + program.string() + ": " + ErrnoText(errno));
+}
+
+Result<pid_t> StartDetached(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                            const std::filesystem::path& output) {
+  std::vector<std::string> words = {program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  const std::vector<char*> pointers = ArgumentPointers(words);
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  sigset_t usual;
+  sigemptyset(&usual);
+  const sigset_t none = usual;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) sigaddset(&usual, number);
+  posix_spawnattr_setsigdefault(&attributes, &usual);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  pid_t pid = 0;
+  const int failed = ::posix_spawn(&pid, program.c_str(), &files, &attributes, pointers.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (failed != 0) return Unavailable("cannot start " + program.string() + ": " + ErrnoText(failed));
+  return pid;
 }
 
 std::string Describe(const ProcessEnd& end) {

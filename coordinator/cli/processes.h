@@ -19,6 +19,13 @@ namespace depthfarm {
 // Replaces this process by `program` with `arguments` (without the program's name). Returns only on failure.
 [[nodiscard]] Status ReplaceProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments);
 
+// Starts `program` as a process that outlives this one: in a session of its own, stdin /dev/null, `output` a file that
+// stdout and stderr are appended to. Returns its id; it is a child as long as this process lives, so its end can be
+// waited for. kUnavailable: it cannot be started.
+[[nodiscard]] Result<pid_t> StartDetached(const std::filesystem::path& program,
+                                          const std::vector<std::string>& arguments,
+                                          const std::filesystem::path& output);
+
 // How a process ended.
 struct ProcessEnd {
   int exit_code = 0;  // valid when signal == 0

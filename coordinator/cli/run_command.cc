@@ -6,6 +6,8 @@
 #include "common/files/atomic_file.h"
 #include "common/files/writable_folder.h"
 #include "coordinator/cli/commands.h"
+#include "coordinator/cli/engine_job.h"
+#include "coordinator/cli/engine_setup.h"
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/interruption.h"
 #include "coordinator/cli/job_request.h"
@@ -35,6 +37,27 @@ nlohmann::ordered_json RunJson(const JobRequest& request, const LocalJob& job) {
   return json;
 }
 
+// On this machine, or on an engine.
+Result<LocalJob> RunOnOwnFarm(const JobRequest& request, const RunArguments& arguments) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const EngineKind engine, ParseEngine(arguments.engine.engine));
+  if (engine != EngineKind::kLocal) {
+    if (!arguments.farm.worker_log_dir.empty() || arguments.farm.log_level != LocalFarmArguments().log_level) {
+      return InvalidArgument(
+          "--worker-log-dir and --log-level are for workers of this machine: of an engine's the logs "
+          "are in the folder that --state names");
+    }
+    return RunOnEngine(request, arguments.engine, arguments.farm.threads);
+  }
+  DEPTHFARM_RETURN_IF_ERROR(CheckNoEngineOptions(arguments.engine));
+  LocalFarmArguments farm = arguments.farm;
+  if (!arguments.engine.workers.empty()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const WorkerRange workers, ParseWorkerRange(arguments.engine.workers));
+    if (workers.min != workers.max) return InvalidArgument("bounds of --workers need --engine slurm or --engine ssh");
+    farm.workers = workers.max;
+  }
+  return RunLocally(request, farm);
+}
+
 }  // namespace
 
 int Execute(const RunArguments& arguments) {
@@ -43,7 +66,7 @@ int Execute(const RunArguments& arguments) {
   if (!request.ok()) return Fail(request.status());
   // The workers are on this machine too: what they could not write is not worth computing.
   if (const Status writable = CheckWritableFolder(request->output_dir); !writable.ok()) return Fail(writable);
-  const Result<LocalJob> job = RunLocally(*request, arguments.farm);
+  const Result<LocalJob> job = RunOnOwnFarm(*request, arguments);
   if (!job.ok() && Interrupted()) {
     std::cerr << "depthfarm: interrupted, the job was cancelled\n";
     return kExitInterrupted;

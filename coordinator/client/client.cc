@@ -178,6 +178,13 @@ Result<std::vector<v1::WorkerStatus>> Client::ListWorkers() {
   return ToVector(answer.worker_list().workers());
 }
 
+Result<v1::Backlog> Client::GetBacklog(const std::vector<std::string>& tags) {
+  v1::Envelope question;
+  question.mutable_get_backlog()->mutable_tags()->Assign(tags.begin(), tags.end());
+  DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kBacklog));
+  return answer.backlog();
+}
+
 Status Client::Drain(const std::string& worker) {
   v1::Envelope question;
   question.mutable_drain_worker()->set_name(worker);

@@ -91,6 +91,8 @@ class Client {
   // Of a job that failed or was cancelled.
   [[nodiscard]] Status Retry(std::uint64_t job_id);
   [[nodiscard]] Result<std::vector<v1::WorkerStatus>> ListWorkers();
+  // Of jobs that workers with these tags may work for.
+  [[nodiscard]] Result<v1::Backlog> GetBacklog(const std::vector<std::string>& tags);
   // By the name that ListWorkers tells.
   [[nodiscard]] Status Drain(const std::string& worker);
   [[nodiscard]] Status StopCoordinator();

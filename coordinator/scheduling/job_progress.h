@@ -46,7 +46,8 @@ class JobProgress {
   [[nodiscard]] const TaskTable& table() const { return table_; }
   [[nodiscard]] Task* Find(const TaskId& id) { return table_.Find(id); }
 
-  [[nodiscard]] bool HasUnopenedGop() const { return next_gop_ < plan_.num_gops(); }
+  [[nodiscard]] bool HasUnopenedGop() const { return num_unopened_gops() > 0; }
+  [[nodiscard]] int num_unopened_gops() const { return plan_.num_gops() - next_gop_; }
   [[nodiscard]] int num_open_gops() const { return static_cast<int>(open_gops_.size()); }
   // GOP -> how many of its frames are not committed.
   [[nodiscard]] const std::map<int, int>& open_gops() const { return open_gops_; }

@@ -303,6 +303,17 @@ std::vector<WorkerSnapshot> Scheduler::Workers() const {
   return snapshots;
 }
 
+Backlog Scheduler::BacklogOf(const std::set<std::string>& tags) const {
+  Backlog backlog;
+  for (const auto& [id, job] : jobs_) {
+    if (!std::ranges::includes(tags, job.tags)) continue;
+    backlog.leased += static_cast<std::uint64_t>(workers_.LeasesOf(id));
+    backlog.ready += job.progress->table().ready().size();
+    backlog.unopened_gops += static_cast<std::uint64_t>(job.progress->num_unopened_gops());
+  }
+  return backlog;
+}
+
 void Scheduler::Add(Action action) { actions_.push_back(std::move(action)); }
 
 void Scheduler::AddEnd(LeaseId lease, const TaskId& task, AttemptOutcome outcome, const Status& error) {

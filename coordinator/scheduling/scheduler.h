@@ -63,6 +63,8 @@ class Scheduler {
   // By id. Jobs that ended are not among them.
   [[nodiscard]] std::vector<JobSnapshot> Jobs() const;
   [[nodiscard]] std::vector<WorkerSnapshot> Workers() const;
+  // Of jobs that need no other tags than these.
+  [[nodiscard]] Backlog BacklogOf(const std::set<std::string>& tags) const;
 
   // Results of leases that had ended before.
   [[nodiscard]] std::uint64_t late_results() const { return late_results_; }

@@ -324,6 +324,8 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
       return Cancel(JobId(request.cancel_job().job_id()));
     case v1::Envelope::kListWorkers:
       return ListWorkers();
+    case v1::Envelope::kGetBacklog:
+      return BacklogOf(request.get_backlog());
     case v1::Envelope::kDrainWorker:
       return Drain(request.drain_worker().name());
     case v1::Envelope::kStopCoordinator: {
@@ -451,6 +453,17 @@ v1::Envelope Coordinator::ListWorkers() const {
     *answer.mutable_worker_list()->add_workers() = StatusToProto(worker, workers_.Find(worker.id), now_);
   }
   answer.mutable_worker_list();
+  return answer;
+}
+
+Result<v1::Envelope> Coordinator::BacklogOf(const v1::GetBacklog& request) const {
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::set<std::string> tags,
+                             CheckTags("tags", {request.tags().begin(), request.tags().end()}));
+  const Backlog backlog = scheduler_.BacklogOf(tags);
+  v1::Envelope answer;
+  answer.mutable_backlog()->set_leased(backlog.leased);
+  answer.mutable_backlog()->set_ready(backlog.ready);
+  answer.mutable_backlog()->set_unopened_gops(backlog.unopened_gops);
   return answer;
 }
 

@@ -87,6 +87,7 @@ class Coordinator {
   [[nodiscard]] Result<v1::Envelope> Drain(const std::string& name);
   [[nodiscard]] v1::Envelope ListJobs() const;
   [[nodiscard]] v1::Envelope ListWorkers() const;
+  [[nodiscard]] Result<v1::Envelope> BacklogOf(const v1::GetBacklog& request) const;
 
   // coordinator_journal.cc
   [[nodiscard]] Status RestoreEnded(const JournaledJob& job);

@@ -78,6 +78,10 @@ std::vector<LifecycleAction> Lifecycle::Tick(TimePoint now) {
     Leave(Unavailable("the coordinator was silent for " + std::to_string(options_.give_up->count()) + " ms"));
     return std::exchange(actions_, {});
   }
+  if (finish_by_ && now >= *finish_by_) {
+    Leave({});
+    return std::exchange(actions_, {});
+  }
   if (Connected() && now - heard_ >= lease_) LoseCoordinator();
   if (Connected() && now >= heartbeat_due_) BeatHeart();
   if (!Connected() && now >= hello_due_) SayHello();
@@ -92,6 +96,7 @@ TimePoint Lifecycle::NextDue() const {
   }
   if (link_ == Link::kLeaving) return std::min(due, leave_by_);
   if (options_.give_up.has_value()) due = std::min(due, heard_ + *options_.give_up);
+  if (finish_by_) due = std::min(due, *finish_by_);
   return std::min(due, Connected() ? std::min(heartbeat_due_, heard_ + lease_) : hello_due_);
 }
 
@@ -119,7 +124,7 @@ void Lifecycle::On(const event::Refused& refusal) {
 void Lifecycle::On(const event::Granted& grant) {
   if (held_.contains(grant.lease)) return;  // a repeat starts nothing
   const auto ask = asks_.find(grant.ask_id);
-  if (link_ == Link::kLeaving) {
+  if (link_ == Link::kLeaving || finish_by_) {
     Do(action::RefuseGrant{grant.lease, "the worker is leaving"});
   } else if (Full()) {
     Do(action::RefuseGrant{grant.lease, "the worker has as many tasks as it takes"});
@@ -176,13 +181,20 @@ void Lifecycle::On(const event::TaskEnded& ended) {
     if (!held_.empty()) return;
     link_ = Link::kGone;
     Do(action::Exit{exit_status_});
+  } else if (finish_by_ && held_.empty()) {
+    Leave({});
   } else if (Connected()) {
     Ask();
   }
 }
 
-void Lifecycle::On(const event::StopRequested&) {
-  if (link_ != Link::kLeaving) Leave({});
+void Lifecycle::On(const event::StopRequested& stop) {
+  if (link_ == Link::kLeaving) return;
+  if (stop.finish > Milliseconds(0) && !finish_by_ && !held_.empty()) {
+    finish_by_ = now_ + stop.finish;
+  } else {
+    Leave({});
+  }
 }
 
 void Lifecycle::SayHello() {
@@ -192,6 +204,7 @@ void Lifecycle::SayHello() {
 }
 
 void Lifecycle::Ask() {
+  if (finish_by_) return;
   // Asks too old to be taken are forgotten, so the list stays short however long the worker is idle.
   std::erase_if(asks_, [this](const auto& ask) { return now_ - ask.second > lease_; });
   asks_[++last_ask_] = now_;

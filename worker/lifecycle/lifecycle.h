@@ -57,8 +57,11 @@ struct Revoked {
 struct TaskEnded {
   LeaseId lease;
 };
-// StopWorker or a signal.
-struct StopRequested {};
+// StopWorker or a signal. With time to finish, the worker takes nothing new and leaves when its tasks are over, at the
+// latest after that long, or when it is told again.
+struct StopRequested {
+  Milliseconds finish{0};
+};
 }  // namespace lifecycle_event
 
 using LifecycleEvent = std::variant<lifecycle_event::Welcomed, lifecycle_event::Refused, lifecycle_event::Granted,
@@ -133,6 +136,7 @@ struct LifecycleOptions {
 // All that a worker decides about joining, asking, leases and leaving. Holds no socket, thread or clock. One owner.
 //
 //   joining --Welcomed--> idle --Granted--> working --last TaskEnded--> idle   StopRequested from anywhere: leaving
+//      with time to finish: after the last TaskEnded
 //      idle, working --no answer for lease--> lost --Welcomed--> idle or working     leaving --last TaskEnded--> gone
 //
 // A lease counts from the moment the worker sent the ask that was granted, or the last heartbeat that was acked: before
@@ -203,6 +207,7 @@ class Lifecycle {
   TimePoint hello_due_;
   Milliseconds hello_retry_;
   TimePoint heartbeat_due_;
+  std::optional<TimePoint> finish_by_;  // it was told to leave when its tasks are over, or then
   TimePoint leave_by_;
   Status exit_status_;
   std::map<LeaseId, Held> held_;

@@ -152,7 +152,7 @@ Status WorkerService::Run() {
   const Channel* const channels[] = {coordinator_.get()};
   while (!exit_.has_value()) {
     if (options_.exit_with_parent) CheckParent();
-    if (stop_requested_.exchange(false)) Handle(event::StopRequested{});
+    if (stop_requested_.exchange(false)) OnStopSignal();
     if (reread_.exchange(false)) ReadmitPeers();
     DEPTHFARM_RETURN_IF_ERROR(ReceiveAll());
     while (std::optional<LeasedOutcome> outcome = compute_->TakeOutcome()) OnOutcome(std::move(*outcome));
@@ -163,6 +163,11 @@ Status WorkerService::Run() {
   }
   LogInfo("worker_stopped", {{"name", identity_.name}, {"reason", exit_->ok() ? "asked to" : exit_->message()}});
   return *exit_;
+}
+
+void WorkerService::OnStopSignal() {
+  LogInfo("stop_asked", {{"finish_ms", options_.stop_grace.count()}});
+  Handle(event::StopRequested{options_.stop_grace});
 }
 
 Milliseconds WorkerService::UntilNextDue() const {

@@ -48,6 +48,7 @@ struct WorkerOptions {
   int threads = 1;                                     // on which a task is computed, 1 to kMostWorkerThreads
   std::string software_version;
   bool exit_with_parent = false;        // leave when the process that started this one ends (after the start)
+  Milliseconds stop_grace{0};           // how long Stop lets tasks finish; a second Stop does not
   std::optional<Milliseconds> give_up;  // leave after so long without the coordinator
 };
 
@@ -76,7 +77,8 @@ class WorkerService {
 
   // Works until the coordinator or Stop ends it (ok), or it is refused or gives up (an error).
   [[nodiscard]] Status Run();
-  // Asks Run to say goodbye and return. From any thread or signal handler.
+  // Asks Run to say goodbye and return, after its tasks if WorkerOptions::stop_grace lets them finish. From any thread
+  // or signal handler.
   void Stop();
   // Has Run read again which keys may fetch from this worker; with an error in them the old ones stay, which the log
   // tells. From any thread or signal handler.
@@ -94,6 +96,7 @@ class WorkerService {
   void OnGrant(const v1::GrantTask& grant);
   void OnOutcome(LeasedOutcome outcome);
   void RenewTerms();
+  void OnStopSignal();
   void ReportDropped();
   void CheckParent();
   void ReadmitPeers();

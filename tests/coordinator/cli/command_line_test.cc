@@ -9,6 +9,7 @@ namespace depthfarm {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 template <typename Arguments>
@@ -41,7 +42,7 @@ TEST(CommandLine, RunKeepsEstimationOptionsInTheirWords) {
                                          "--params", "p.json", "--preset", "paper", "--frames", "0:5", "--json"});
   EXPECT_EQ(run.job.sequence, "array.json");
   EXPECT_EQ(run.job.output_dir, "out");
-  EXPECT_EQ(run.farm.workers, 3);
+  EXPECT_EQ(run.engine.workers, "3");
   EXPECT_EQ(run.farm.threads, 1);
   EXPECT_EQ(Parsed<RunArguments>({"run", "array.json", "-o", "out", "--threads", "4"}).farm.threads, 4);
   EXPECT_TRUE(run.json);
@@ -136,6 +137,15 @@ INSTANTIATE_TEST_SUITE_P(All, BadUsage,
                              {"run", "-o", "d"},
                              {"run", "s.json", "-o", "d", "--workers", "0"},
                              {"run", "s.json", "-o", "d", "--workers", "many"},
+                             {"run", "s.json", "-o", "d", "--workers", "4..2"},
+                             {"run", "s.json", "-o", "d", "--worker-memory", "-1"},
+                             {"run", "s.json", "-o", "d", "--port", "0"},
+                             {"cluster"},
+                             {"cluster", "sideways"},
+                             {"cluster", "up", "--workers", "0"},
+                             {"cluster", "up", "--batch", "--foreground"},
+                             {"cluster", "status", "--partition", "p"},
+                             {"cluster", "down", "now"},
                              {"run", "s.json", "-o", "d", "--threads", "0"},
                              {"run", "s.json", "-o", "d", "--threads", "257"},
                              {"bench", "--threads", "-1"},
@@ -154,6 +164,62 @@ INSTANTIATE_TEST_SUITE_P(All, BadUsage,
                              {"jobs", "--timeout", "0"},
                              {"keygen"},
                          }));
+
+TEST(CommandLine, ClustersGoUpAreLookedAtAndGoDown) {
+  const auto up = Parsed<ClusterArguments>({"cluster",
+                                            "up",
+                                            "--engine",
+                                            "slurm",
+                                            "--workers",
+                                            "4..64",
+                                            "--partition",
+                                            "render",
+                                            "--time",
+                                            "8:00:00",
+                                            "--worker-memory",
+                                            "8GB",
+                                            "--engine-option=--constraint=avx2",
+                                            "--engine-option=--exclusive",
+                                            "--slots",
+                                            "4",
+                                            "--threads",
+                                            "2",
+                                            "--tags",
+                                            "a,b",
+                                            "--name",
+                                            "night",
+                                            "--state",
+                                            "s",
+                                            "--batch",
+                                            "--path-map",
+                                            "/a=/b"});
+  EXPECT_EQ(up.action, ClusterArguments::Action::kUp);
+  EXPECT_EQ(up.engine.engine, "slurm");
+  EXPECT_EQ(up.engine.workers, "4..64");
+  EXPECT_EQ(up.engine.state_dir, "s");
+  const ClusterOptions& options = up.engine.options;
+  EXPECT_EQ(options.name, "night");
+  EXPECT_EQ(options.partition, "render");
+  EXPECT_EQ(options.time, "8:00:00");
+  EXPECT_EQ(options.worker_memory_bytes, std::uint64_t{8} << 30);
+  EXPECT_THAT(options.engine_arguments, ElementsAre("--constraint=avx2", "--exclusive"));
+  EXPECT_THAT(options.tags, ElementsAre("a", "b"));
+  EXPECT_EQ(options.slots, 4);
+  EXPECT_EQ(options.threads, 2);
+  EXPECT_TRUE(options.manager_as_job);
+  EXPECT_TRUE(Parsed<ClusterArguments>({"cluster", "up", "--foreground"}).foreground);
+
+  const auto status = Parsed<ClusterArguments>({"cluster", "status", "--name", "night", "--json"});
+  EXPECT_EQ(status.action, ClusterArguments::Action::kStatus);
+  EXPECT_EQ(status.engine.options.name, "night");
+  EXPECT_TRUE(status.json);
+  EXPECT_EQ(Parsed<ClusterArguments>({"cluster", "down"}).action, ClusterArguments::Action::kDown);
+  EXPECT_EQ(Parsed<ClusterArguments>({"cluster", "manage", "--state", "/s"}).action, ClusterArguments::Action::kManage);
+
+  const auto run = Parsed<RunArguments>({"run", "s.json", "-o", "d", "--engine", "slurm", "--workers", "0..8",
+                                         "--slurm-partition", "render", "--partition", "blocks"});
+  EXPECT_EQ(run.engine.options.partition, "render");
+}
 
 TEST(CommandLine, HelpOfEachCommandHasAnExampleAndGoesToStdout) {
   for (const char* command :

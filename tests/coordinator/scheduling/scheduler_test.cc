@@ -42,6 +42,29 @@ TEST(Scheduler, OneWorkerBringsAJobToItsEnd) {
   EXPECT_EQ(job.determinism_violations, 0U);
 }
 
+TEST(Scheduler, TheBacklogIsWhatWorkersOfTheseTagsCouldDo) {
+  FakeFarm farm;
+  EXPECT_EQ(farm.scheduler.BacklogOf({}).ready, 0U);
+  farm.Submit(MakePlannedJob({.id = 1, .frames = 8, .gop = 2, .views = 3}));
+  const Backlog before = farm.scheduler.BacklogOf({});
+  EXPECT_EQ(before.leased, 0U);
+  EXPECT_EQ(before.ready, 1U) << "Prepare";
+  EXPECT_EQ(before.unopened_gops, 4U) << "without a worker none is opened";
+  farm.Submit(MakePlannedJob({.id = 2, .frames = 2, .gop = 1}), 0, {"gpu"});
+  EXPECT_EQ(farm.scheduler.BacklogOf({}).unopened_gops, 4U) << "no worker without the tag takes that job";
+  EXPECT_EQ(farm.scheduler.BacklogOf({"gpu"}).unopened_gops, 6U);
+  const WorkerId worker = farm.JoinAndAsk();
+  EXPECT_EQ(farm.scheduler.BacklogOf({}).leased, 1U);
+  farm.Finish(worker);
+  const Backlog during = farm.scheduler.BacklogOf({});
+  EXPECT_EQ(during.leased, 1U);
+  EXPECT_GT(during.ready, 0U);
+  farm.Cancel(2);
+  farm.RunToTheEnd();
+  const Backlog after = farm.scheduler.BacklogOf({"gpu"});
+  EXPECT_EQ(after.leased + after.ready + after.unopened_gops, 0U);
+}
+
 TEST(Scheduler, GrantsCarryInputsInOrderWithHolders) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.frames = 2, .gop = 2, .views = 2, .blocks_i = 2}));

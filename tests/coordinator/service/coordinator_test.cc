@@ -61,6 +61,13 @@ TEST(Coordinator, ListsJobsAndWorkersAndCancels) {
   EXPECT_EQ(workers.worker_list().workers(0).running(), "job 1 prepare");
   request.mutable_list_jobs();
   EXPECT_EQ(client.Call(request).job_list().jobs(0).running(0), "prepare on w1");
+  request.mutable_get_backlog();
+  const v1::Envelope backlog = client.Call(request);
+  ASSERT_TRUE(backlog.has_backlog());
+  EXPECT_EQ(backlog.backlog().leased(), 1U);
+  EXPECT_EQ(backlog.backlog().ready(), 3U) << "the first GOP is open: its views can be analysed";
+  request.mutable_get_backlog()->add_tags("no tag");
+  EXPECT_EQ(client.Call(request).error().code(), v1::CODE_INVALID_ARGUMENT);
 
   request.mutable_cancel_job()->set_job_id(job);
   EXPECT_TRUE(client.Call(request).has_done());

@@ -327,6 +327,40 @@ TEST_F(LifecycleTest, ALeavingWorkerTakesNoGrant) {
   EXPECT_EQ(Count<action::RefuseGrant>(Handle(event::Granted{LeaseId{42}, 1})), 1);
 }
 
+TEST_F(LifecycleTest, WithTimeToFinishAWorkerReportsItsTaskAndLeavesThen) {
+  Work();
+  EXPECT_THAT(Handle(event::StopRequested{Milliseconds(60'000)}), IsEmpty());
+  EXPECT_EQ(worker_.state(), WorkerState::kWorking);
+  // Nothing new meanwhile, but the lease goes on.
+  EXPECT_EQ(Count<action::RefuseGrant>(Handle(event::Granted{LeaseId{42}, 1})), 1);
+  const Actions beat = Silence(kHeartbeat);
+  EXPECT_EQ(Count<action::SendHeartbeat>(beat), 1);
+  EXPECT_EQ(Count<action::SendAsk>(beat), 0);
+  EXPECT_THAT(Handle(event::TaskEnded{kTask}),
+              ElementsAre(action::ReportTask{kTask}, action::SendGoodbye{}, action::Exit{}));
+}
+
+TEST_F(LifecycleTest, TimeToFinishIsBounded) {
+  Work();
+  (void)Handle(event::StopRequested{Milliseconds(500)});
+  EXPECT_EQ(worker_.NextDue(), now_ + Milliseconds(500));
+  EXPECT_EQ(Count<action::StopTask>(Silence(Milliseconds(499))), 0);
+  const Actions actions = Silence(Milliseconds(1));
+  EXPECT_EQ(Count<action::SendGoodbye>(actions), 1);
+  EXPECT_EQ(Count<action::StopTask>(actions), 1);
+}
+
+TEST_F(LifecycleTest, ASecondStopDoesNotLetItFinish) {
+  Work();
+  (void)Handle(event::StopRequested{Milliseconds(60'000)});
+  EXPECT_EQ(Count<action::StopTask>(Handle(event::StopRequested{Milliseconds(60'000)})), 1);
+}
+
+TEST_F(LifecycleTest, AnIdleWorkerNeedsNoTimeToFinish) {
+  Join();
+  EXPECT_THAT(Handle(event::StopRequested{Milliseconds(60'000)}), ElementsAre(action::SendGoodbye{}, action::Exit{}));
+}
+
 TEST_F(LifecycleTest, TwoWelcomesLoseNoAsk) {
   const std::uint64_t ask = Join();
   (void)Handle(event::Welcomed{kHeartbeat, kLease});
