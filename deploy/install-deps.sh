@@ -18,7 +18,7 @@ build_libraries=(
   libavcodec-dev libavformat-dev libavutil-dev
   nlohmann-json3-dev libcli11-dev libspdlog-dev
 )
-test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server)
+test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd)
 test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev libopencv-calib3d-dev)
 fuzz_tools=(clang libclang-rt-14-dev)
 arm64_tools=(g++-aarch64-linux-gnu mmdebstrap qemu-user)

@@ -31,6 +31,7 @@ Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Create(const Coord
                              Journal::Open(options.journal, {.kept_jobs = options.kept_jobs}));
   std::unique_ptr<CoordinatorServer> server(new CoordinatorServer);
   server->keys_dir_ = options.keys_dir;
+  server->keeps_journal_ = !options.journal.empty();
   const bool secure = !options.keys_dir.empty();
   server->coordinator_ = std::make_unique<Coordinator>(options, first_lease, std::move(journal), secure);
   ServerOptions channel;
@@ -72,7 +73,8 @@ Status CoordinatorServer::Run() {
     SendOutgoing();
     LogRefusals(std::chrono::steady_clock::now());
   }
-  coordinator_->SayGoodbye();
+  // One that will be started again finds its workers at work.
+  if (coordinator_->asked_to_stop() || !keeps_journal_) coordinator_->SayGoodbye();
   SendOutgoing();
   LogInfo("coordinator_stopped",
           {{"workers", coordinator_->scheduler().Workers().size()}, {"jobs", coordinator_->scheduler().Jobs().size()}});

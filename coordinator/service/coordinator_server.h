@@ -24,7 +24,8 @@ class CoordinatorServer {
 
   // Where it listens in fact.
   [[nodiscard]] const std::string& endpoint() const { return channel_->endpoint(); }
-  // Serves until Stop or a client's StopCoordinator; then tells the workers to stop.
+  // Serves until Stop or a client's StopCoordinator. Workers are told to stop by the latter, and where there is no journal
+  // that another coordinator would go on from; else they go on computing and wait for that one.
   [[nodiscard]] Status Run();
   // Ends Run soon. From any thread, and from signal handlers.
   void Stop();
@@ -39,6 +40,7 @@ class CoordinatorServer {
   void LogRefusals(TimePoint now);
 
   std::string keys_dir_;  // empty: no CURVE
+  bool keeps_journal_ = false;
   AllowedKeys allowed_;
   TransportContext context_;
   std::unique_ptr<ServerChannel> channel_;

@@ -47,6 +47,23 @@ TEST_P(KilledCoordinator, GoesOnWithItsJobsToTheSameBytes) {
   EXPECT_EQ(Submit(farm, folder_ / "next"), job_id + 1);
 }
 
+TEST_F(Journal, WorkersOutliveACoordinatorThatIsStoppedForALittleWhile) {
+  Farm farm;
+  ASSERT_TRUE(farm.ok()) << farm.problem();
+  const int worker = farm.AddWorker();
+  const std::string output = folder_ / "stopped";
+  const std::uint64_t job_id = Submit(farm, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(farm, job_id, 5));
+  ASSERT_TRUE(farm.RestartCoordinator(SIGTERM)) << farm.problem();
+  const v1::JobStatus last = WaitForTheEnd(farm, job_id);
+  EXPECT_EQ(last.state(), v1::JOB_STATE_DONE) << last.error().message() << "\n" << farm.Logs();
+  EXPECT_THAT(Differences(Undisturbed(), DepthOf(output)), IsEmpty());
+  EXPECT_FALSE(farm.worker(worker).Poll()) << farm.Logs();
+  // Told to by an administrator they end with it.
+  ASSERT_TRUE(farm.client().StopCoordinator().ok());
+  EXPECT_TRUE(farm.worker(worker).WaitFor(kDeadline)) << farm.Logs();
+}
+
 TEST_F(Journal, ACancelledJobGoesOnFromItsFrames) {
   Farm farm;
   ASSERT_TRUE(farm.ok()) << farm.problem();
