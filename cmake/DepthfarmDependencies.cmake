@@ -11,6 +11,8 @@ find_package(spdlog 1.10 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(zstd REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(highway REQUIRED IMPORTED_TARGET libhwy)
+pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)  # Debian builds it as a library
+find_package(prometheus-cpp REQUIRED CONFIG)  # tells no version
 pkg_check_modules(libav REQUIRED IMPORTED_TARGET libavcodec libavformat libavutil)
 
 # OpenCVConfig.cmake comes only with libopencv-dev (455 packages); the component packages have none.

@@ -93,6 +93,9 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber)  // or -1 would be a number of 20 digits
       ->capture_default_str();
   app.add_option("--check-journal", check_journal, "check such a file, say what is in it, and end");
+  app.add_option("--metrics", options.metrics,
+                 "HOST:PORT to serve /metrics (for Prometheus) and /healthz at, without keys: an address that only\n"
+                 "operators reach, e.g. 127.0.0.1:9470; default: nowhere");
   app.add_option("--log-level", log_level, "debug, info, warning, error or off")->capture_default_str();
   app.set_version_flag("--version", "depthfarm-coordinator " DEPTHFARM_VERSION);
   try {
@@ -100,6 +103,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   }
+  options.version = DEPTHFARM_VERSION;
   options.heartbeat = std::chrono::milliseconds(heartbeat_ms);
   options.lease = std::chrono::milliseconds(lease_ms);
   if (const depthfarm::Status level = depthfarm::SetLogLevel(log_level); !level.ok()) return Fail(level);
@@ -125,6 +129,7 @@ int main(int argc, char** argv) {
   if (hung_up.load()) (*coordinator)->RereadKeys();
   HandleSignal(SIGTERM, OnSignal);
   HandleSignal(SIGINT, OnSignal);
+  if (!options.metrics.empty()) std::cout << "metrics at http://" << (*coordinator)->metrics_address() << "/metrics\n";
   std::cout << "listening on " << (*coordinator)->endpoint() << std::endl;
   const depthfarm::Status status = (*coordinator)->Run();
   running.store(nullptr);

@@ -17,6 +17,7 @@ build_libraries=(
   libssl-dev libzstd-dev libsqlite3-dev
   libavcodec-dev libavformat-dev libavutil-dev
   nlohmann-json3-dev libcli11-dev libspdlog-dev
+  prometheus-cpp-dev libcpp-httplib-dev
 )
 test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd)
 test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev libopencv-calib3d-dev)

@@ -303,14 +303,23 @@ std::vector<WorkerSnapshot> Scheduler::Workers() const {
   return snapshots;
 }
 
+void Scheduler::AddBacklog(JobId id, const JobRecord& job, Backlog& backlog) const {
+  backlog.leased += static_cast<std::uint64_t>(workers_.LeasesOf(id));
+  backlog.ready += job.progress->table().ready().size();
+  backlog.unopened_gops += static_cast<std::uint64_t>(job.progress->num_unopened_gops());
+}
+
 Backlog Scheduler::BacklogOf(const std::set<std::string>& tags) const {
   Backlog backlog;
   for (const auto& [id, job] : jobs_) {
-    if (!std::ranges::includes(tags, job.tags)) continue;
-    backlog.leased += static_cast<std::uint64_t>(workers_.LeasesOf(id));
-    backlog.ready += job.progress->table().ready().size();
-    backlog.unopened_gops += static_cast<std::uint64_t>(job.progress->num_unopened_gops());
+    if (std::ranges::includes(tags, job.tags)) AddBacklog(id, job, backlog);
   }
+  return backlog;
+}
+
+Backlog Scheduler::TotalBacklog() const {
+  Backlog backlog;
+  for (const auto& [id, job] : jobs_) AddBacklog(id, job, backlog);
   return backlog;
 }
 

@@ -63,8 +63,9 @@ class Scheduler {
   // By id. Jobs that ended are not among them.
   [[nodiscard]] std::vector<JobSnapshot> Jobs() const;
   [[nodiscard]] std::vector<WorkerSnapshot> Workers() const;
-  // Of jobs that need no other tags than these.
+  // Of jobs that need no other tags than these; of all jobs.
   [[nodiscard]] Backlog BacklogOf(const std::set<std::string>& tags) const;
+  [[nodiscard]] Backlog TotalBacklog() const;
 
   // Results of leases that had ended before.
   [[nodiscard]] std::uint64_t late_results() const { return late_results_; }
@@ -170,6 +171,7 @@ class Scheduler {
   [[nodiscard]] JobSnapshot Snapshot(JobId id, const JobRecord& job) const;
   // Everything that an event may have made possible.
   void Advance();
+  void AddBacklog(JobId id, const JobRecord& job, Backlog& backlog) const;
 
   void Add(Action action);
   void AddEnd(LeaseId lease, const TaskId& task, AttemptOutcome outcome, const Status& error = {});

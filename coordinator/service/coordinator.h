@@ -15,6 +15,7 @@
 #include "common/transport/server_channel.h"
 #include "common/wire/envelope.h"
 #include "coordinator/journal/journal.h"
+#include "coordinator/metrics/farm_metrics.h"
 #include "coordinator/planning/job_plan.h"
 #include "coordinator/scheduling/scheduler.h"
 #include "coordinator/service/attempt_records.h"
@@ -31,6 +32,8 @@ struct CoordinatorOptions {
   std::chrono::milliseconds heartbeat{1000};
   std::chrono::milliseconds lease{6000};
   int max_attempts = 4;          // of one task
+  std::string metrics = {};      // HOST:PORT to serve them at; empty: nowhere
+  std::string version = {};      // of the program, for the metrics
   std::string journal = {};      // file in which jobs outlive the coordinator; empty: they do not
   std::size_t kept_jobs = 1000;  // that ended, for status
 
@@ -71,6 +74,8 @@ class Coordinator {
   // Tells the workers to stop.
   void SayGoodbye();
   [[nodiscard]] const Scheduler& scheduler() const { return scheduler_; }
+  // All but what only the socket knows: refused handshakes, version.
+  [[nodiscard]] FarmMetrics Metrics() const;
 
  private:
   void HandleFromWorker(const PeerMessage& message, const v1::Envelope& envelope);
@@ -116,6 +121,9 @@ class Coordinator {
   void Do(const EndWorker& action);
   void Do(const Note& action);
 
+  // coordinator_metrics.cc
+  void Count(const AttemptEnded& action);
+
   void Send(const std::string& peer, v1::Envelope envelope);
   void SendTo(WorkerId worker, v1::Envelope envelope);
   void Refuse(const PeerMessage& message, std::uint64_t request_id, const Status& reason);
@@ -141,6 +149,10 @@ class Coordinator {
   std::map<JobId, TimePoint> submitted_;
   AttemptRecords attempts_;
   MessageRefusals refusals_;
+  // Since the start, see FarmMetrics.
+  std::map<std::string, std::uint64_t> jobs_ended_;
+  std::map<std::pair<std::string, std::string>, std::uint64_t> attempts_ended_;
+  std::map<std::string, double> cpu_seconds_;
   std::uint64_t last_job_ = 0;
   std::uint64_t last_claim_;  // counted from the first lease on: no other coordinator has used it
 };

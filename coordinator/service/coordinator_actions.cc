@@ -98,6 +98,7 @@ void Coordinator::Do(const FrameLost& action) {
 void Coordinator::Do(const JobEnded& action) {
   const JobSnapshot& job = action.job;
   const char* state = job.state == JobState::kDone ? "done" : job.state == JobState::kFailed ? "failed" : "cancelled";
+  ++jobs_ended_[state];
   LogInfo("job_ended",
           {{"job", job.id.value()}, {"state", state}, {"frames", job.frames_done}, {"retries", job.retries}});
   const v1::JobStatus status = StatusToProto(job, jobs_.at(job.id).summary, now_);
@@ -118,7 +119,10 @@ void Coordinator::Do(const JobEnded& action) {
   for (const JobId id : forgotten) Dispatch(JobForgotten{id});
 }
 
-void Coordinator::Do(const AttemptEnded& action) { attempts_.End(action, now_); }
+void Coordinator::Do(const AttemptEnded& action) {
+  Count(action);
+  attempts_.End(action, now_);
+}
 
 void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }
 

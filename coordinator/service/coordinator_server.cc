@@ -17,6 +17,7 @@ namespace depthfarm {
 namespace {
 
 constexpr std::chrono::milliseconds kTick{50};
+constexpr std::chrono::seconds kPublishInterval{1};
 constexpr int kMessagesPerTick = 1000;  // a flood must not keep leases from expiring
 
 }  // namespace
@@ -42,6 +43,10 @@ Result<std::unique_ptr<CoordinatorServer>> CoordinatorServer::Create(const Coord
     channel.curve_secret_key = keys.own.secret_key;
   }
   DEPTHFARM_ASSIGN_OR_RETURN(server->channel_, ServerChannel::Bind(server->context_, options.endpoint, channel));
+  if (!options.metrics.empty()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(server->metrics_, MetricsServer::Start(options.metrics));
+    server->version_ = options.version;
+  }
   DEPTHFARM_RETURN_IF_ERROR(server->coordinator_->Restore(std::chrono::steady_clock::now()));
   return server;
 }
@@ -72,6 +77,7 @@ Status CoordinatorServer::Run() {
     coordinator_->Tick(std::chrono::steady_clock::now());
     SendOutgoing();
     LogRefusals(std::chrono::steady_clock::now());
+    PublishMetrics(std::chrono::steady_clock::now());
   }
   // One that will be started again finds its workers at work.
   if (coordinator_->asked_to_stop() || !keeps_journal_) coordinator_->SayGoodbye();
@@ -115,6 +121,20 @@ void CoordinatorServer::LogRefusals(TimePoint now) {
                                 {"messages_wrong_role", messages.wrong_role},
                                 {"last_user", messages.last_user},
                                 {"last_reason", messages.last_reason}});
+}
+
+void CoordinatorServer::PublishMetrics(TimePoint now) {
+  if (metrics_ == nullptr || now - published_ < kPublishInterval) return;
+  published_ = now;
+  FarmMetrics metrics = coordinator_->Metrics();
+  metrics.version = version_;
+  const ServerRefusals refused = channel_->refusals();
+  metrics.refused["handshake with a wrong key"] = refused.handshakes_wrong_key;
+  metrics.refused["handshake malformed"] = refused.handshakes_malformed;
+  metrics.refused["handshake unfinished"] = refused.handshakes_unfinished;
+  metrics.refused["message of a removed key"] = refused.messages_removed_key;
+  metrics.refused["message of wrong frames"] = refused.messages_frames;
+  metrics_->Publish(FormatMetrics(metrics), now);
 }
 
 void CoordinatorServer::SendOutgoing() {

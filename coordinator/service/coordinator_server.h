@@ -10,6 +10,7 @@
 #include "common/transport/farm_keys.h"
 #include "common/transport/poller.h"
 #include "common/transport/server_channel.h"
+#include "coordinator/metrics/metrics_server.h"
 #include "coordinator/service/coordinator.h"
 #include "coordinator/service/refusals.h"
 
@@ -24,8 +25,10 @@ class CoordinatorServer {
 
   // Where it listens in fact.
   [[nodiscard]] const std::string& endpoint() const { return channel_->endpoint(); }
-  // Serves until Stop or a client's StopCoordinator. Workers are told to stop by the latter, and where there is no journal
-  // that another coordinator would go on from; else they go on computing and wait for that one.
+  // Where metrics are served; only with CoordinatorOptions::metrics.
+  [[nodiscard]] const std::string& metrics_address() const { return metrics_->address(); }
+  // Serves until Stop or a client's StopCoordinator. Workers are told to stop by the latter, and where there is no
+  // journal that another coordinator would go on from; else they go on computing and wait for that one.
   [[nodiscard]] Status Run();
   // Ends Run soon. From any thread, and from signal handlers.
   void Stop();
@@ -38,6 +41,7 @@ class CoordinatorServer {
   void SendOutgoing();
   void RereadIfAsked();
   void LogRefusals(TimePoint now);
+  void PublishMetrics(TimePoint now);
 
   std::string keys_dir_;  // empty: no CURVE
   bool keeps_journal_ = false;
@@ -49,6 +53,9 @@ class CoordinatorServer {
   std::atomic<bool> reread_{false};
   RefusalPace pace_;
   std::unique_ptr<Coordinator> coordinator_;
+  std::string version_;
+  std::unique_ptr<MetricsServer> metrics_;  // null: none
+  TimePoint published_;
 };
 
 }  // namespace depthfarm

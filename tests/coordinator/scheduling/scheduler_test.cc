@@ -53,6 +53,7 @@ TEST(Scheduler, TheBacklogIsWhatWorkersOfTheseTagsCouldDo) {
   farm.Submit(MakePlannedJob({.id = 2, .frames = 2, .gop = 1}), 0, {"gpu"});
   EXPECT_EQ(farm.scheduler.BacklogOf({}).unopened_gops, 4U) << "no worker without the tag takes that job";
   EXPECT_EQ(farm.scheduler.BacklogOf({"gpu"}).unopened_gops, 6U);
+  EXPECT_EQ(farm.scheduler.TotalBacklog().unopened_gops, 6U);
   const WorkerId worker = farm.JoinAndAsk();
   EXPECT_EQ(farm.scheduler.BacklogOf({}).leased, 1U);
   farm.Finish(worker);
