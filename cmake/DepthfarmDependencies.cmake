@@ -24,6 +24,16 @@ foreach(component core imgproc imgcodecs)
     INTERFACE_INCLUDE_DIRECTORIES ${DEPTHFARM_OPENCV_INCLUDE})
 endforeach()
 
+if(DEPTHFARM_BUILD_PYTHON)
+  # Debian's, which has Debian's numpy, rather than another one that comes first in PATH.
+  if(NOT DEFINED Python_ROOT_DIR)
+    set(Python_ROOT_DIR /usr)
+  endif()
+  set(Python_FIND_STRATEGY LOCATION)
+  find_package(Python 3.11 REQUIRED COMPONENTS Interpreter Development.Module)
+  find_package(pybind11 2.10 REQUIRED CONFIG)
+endif()
+
 if(DEPTHFARM_BUILD_TESTS)
   find_package(GTest REQUIRED)
   find_package(Boost 1.74 REQUIRED)  # Boost.Graph, header-only: the max-flow oracle

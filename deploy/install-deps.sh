@@ -20,12 +20,13 @@ build_libraries=(
   prometheus-cpp-dev libcpp-httplib-dev
 )
 test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd)
+python_packages=(pybind11-dev python3-dev python3-numpy)
 test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev libopencv-calib3d-dev)
 fuzz_tools=(clang libclang-rt-14-dev)
 arm64_tools=(g++-aarch64-linux-gnu mmdebstrap qemu-user)
 
 build_packages=(g++ "${build_tools[@]}" "${build_libraries[@]}")
-test_packages=("${build_packages[@]}" "${test_tools[@]}" "${test_libraries[@]}")
+test_packages=("${build_packages[@]}" "${test_tools[@]}" "${test_libraries[@]}" "${python_packages[@]}")
 case "${1:-build}" in
   build) packages=("${build_packages[@]}") ;;
   test) packages=("${test_packages[@]}") ;;
