@@ -53,12 +53,13 @@ function(depthfarm_library name)
   add_library(depthfarm::${name} ALIAS depthfarm_${name})
 endfunction()
 
-# depthfarm_program(NAME SOURCES main.cc ... PRIVATE targets...): an installed executable called NAME.
+# depthfarm_program(NAME COMPONENT c SOURCES main.cc ... PRIVATE targets...): an installed executable called NAME, of the
+# package that DepthfarmInstall.cmake makes of the component.
 function(depthfarm_program name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "SOURCES;PRIVATE" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} depthfarm_options)
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT ${ARG_COMPONENT})
 endfunction()
 
 # depthfarm_test(NAME LABEL unit|golden|system SOURCES ... PRIVATE targets...): a GoogleTest binary, one ctest per claim.

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # Installs what depthfarm needs on Debian 12 (why each package: docs/dependencies.md).
-# usage: install-deps.sh [build|test|fuzz|arm64 [FOLDER]]
+# usage: install-deps.sh [build|test|package|fuzz|arm64 [FOLDER]]
 #   build   compile and run (default)
 #   test    the test suite as well
-#   fuzz    that, and what deploy/fuzz.sh needs
+#   package build Debian packages
+#   fuzz    that of test, and what deploy/fuzz.sh needs
 #   arm64   cross builds for 64-bit ARM: compiler and emulator, and the libraries of `test` for arm64 in FOLDER (default:
 #           build/sysroot-arm64, where the preset arm64 looks; 1.1 GB)
 set -euo pipefail
 
-build_tools=(cmake ninja-build pkg-config protobuf-compiler)
+build_tools=(cmake ninja-build pkg-config protobuf-compiler help2man)
 build_libraries=(
   libeigen3-dev libhwy-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
@@ -19,7 +20,7 @@ build_libraries=(
   nlohmann-json3-dev libcli11-dev libspdlog-dev
   prometheus-cpp-dev libcpp-httplib-dev
 )
-test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd)
+test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd fish zsh mandoc)
 python_packages=(pybind11-dev python3-dev python3-numpy)
 test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev libopencv-calib3d-dev)
 fuzz_tools=(clang libclang-rt-14-dev)
@@ -30,9 +31,10 @@ test_packages=("${build_packages[@]}" "${test_tools[@]}" "${test_libraries[@]}" 
 case "${1:-build}" in
   build) packages=("${build_packages[@]}") ;;
   test) packages=("${test_packages[@]}") ;;
+  package) packages=("${build_packages[@]}" "${python_packages[@]}" dpkg-dev file) ;;
   fuzz) packages=("${test_packages[@]}" "${fuzz_tools[@]}") ;;
   arm64) packages=("${build_tools[@]}" "${arm64_tools[@]}") ;;
-  *) echo "usage: install-deps.sh [build|test|fuzz|arm64 [FOLDER]]" >&2; exit 2 ;;
+  *) echo "usage: install-deps.sh [build|test|package|fuzz|arm64 [FOLDER]]" >&2; exit 2 ;;
 esac
 
 install_missing() {
