@@ -85,6 +85,7 @@ int main(int argc, char** argv) {
   app.add_option("--heartbeat-ms", heartbeat_ms, "how often workers report")->capture_default_str();
   app.add_option("--lease-ms", lease_ms, "silence after which a worker is given up")->capture_default_str();
   app.add_option("--max-attempts", options.max_attempts, "of one task before its job fails")->capture_default_str();
+  app.add_flag("!--no-duplicates", options.duplicates, "do not give a task that takes too long to an idle worker, too");
   app.add_option(
       "--journal", journal,
       "SQLite file in which jobs outlive the coordinator, or none; default: depthfarm/coordinator.sqlite in\n"

@@ -13,14 +13,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Without the job, which the reader knows, as status names tasks.
-std::string NameOf(const v1::TaskAttempt& attempt) {
-  const Result<TaskId> task = FromProto(attempt.task());
-  if (!task.ok()) return "unknown";
-  const std::string prefix = "job " + std::to_string(task->job.value()) + " ";
-  return TaskName(*task).substr(prefix.size());
-}
-
 std::string CodeOf(const v1::TaskAttempt& attempt) {
   return attempt.has_error() ? std::string(ErrorCodeName(FromProto(attempt.error()).code())) : "";
 }
@@ -38,15 +30,24 @@ double WallSeconds(const v1::TaskAttempt& attempt) {
 std::vector<std::string> RowOf(const v1::TaskAttempt& attempt) {
   const v1::TaskStats& stats = attempt.stats();
   const auto bytes = [](std::uint64_t count) { return count == 0 ? "-" : FormatBytes(static_cast<double>(count)); };
-  return {NameOf(attempt),
+  return {NameWithinJob(attempt.task()),
           attempt.worker(),
-          std::to_string(attempt.attempt()),
+          std::to_string(attempt.attempt()) + (attempt.duplicate() ? "+" : ""),
           FormatDuration(attempt.started_seconds()),
           FormatDuration(WallSeconds(attempt)),
           stats.cpu_seconds() > 0 ? FormatDuration(stats.cpu_seconds()) : "-",
           bytes(stats.peak_memory_bytes()),
           bytes(stats.fetched_bytes()),
           OutcomeText(attempt)};
+}
+
+}  // namespace
+
+std::string NameWithinJob(const v1::TaskId& task_id) {
+  const Result<TaskId> task = FromProto(task_id);
+  if (!task.ok()) return "unknown";
+  const std::string prefix = "job " + std::to_string(task->job.value()) + " ";
+  return TaskName(*task).substr(prefix.size());
 }
 
 std::string NotesOf(const v1::TaskAttempt& attempt) {
@@ -57,8 +58,6 @@ std::string NotesOf(const v1::TaskAttempt& attempt) {
   for (const std::string& line : attempt.log().lines()) text += "    | " + line + "\n";
   return text;
 }
-
-}  // namespace
 
 std::string OutcomeName(v1::AttemptOutcome outcome) {
   switch (outcome) {
@@ -74,6 +73,8 @@ std::string OutcomeName(v1::AttemptOutcome outcome) {
       return "given back";
     case v1::ATTEMPT_OUTCOME_REVOKED:
       return "revoked";
+    case v1::ATTEMPT_OUTCOME_OVERTAKEN:
+      return "overtaken";
     case v1::ATTEMPT_OUTCOME_EXPIRED:
       return "lease expired";
     case v1::ATTEMPT_OUTCOME_WORKER_LOST:
@@ -102,25 +103,28 @@ std::string FormatLogs(const v1::JobLogs& logs) {
   return text;
 }
 
+OrderedJson AttemptToJson(const v1::TaskAttempt& attempt) {
+  OrderedJson error = nullptr;
+  if (attempt.has_error()) error = {{"code", CodeOf(attempt)}, {"message", attempt.error().message()}};
+  return {{"task", NameWithinJob(attempt.task())},
+          {"worker", attempt.worker()},
+          {"attempt", attempt.attempt()},
+          {"duplicate", attempt.duplicate()},
+          {"startSeconds", attempt.started_seconds()},
+          {"seconds", attempt.seconds()},
+          {"wallSeconds", attempt.stats().wall_seconds()},
+          {"cpuSeconds", attempt.stats().cpu_seconds()},
+          {"peakMemoryBytes", attempt.stats().peak_memory_bytes()},
+          {"fetchedBytes", attempt.stats().fetched_bytes()},
+          {"outcome", OutcomeName(attempt.outcome())},
+          {"error", error},
+          {"log", std::vector<std::string>(attempt.log().lines().begin(), attempt.log().lines().end())},
+          {"logLinesLeftOut", attempt.log().left_out()}};
+}
+
 OrderedJson LogsToJson(const v1::JobLogs& logs) {
   OrderedJson attempts = OrderedJson::array();
-  for (const v1::TaskAttempt& attempt : logs.attempts()) {
-    OrderedJson error = nullptr;
-    if (attempt.has_error()) error = {{"code", CodeOf(attempt)}, {"message", attempt.error().message()}};
-    attempts.push_back({{"task", NameOf(attempt)},
-                        {"worker", attempt.worker()},
-                        {"attempt", attempt.attempt()},
-                        {"startSeconds", attempt.started_seconds()},
-                        {"seconds", attempt.seconds()},
-                        {"wallSeconds", attempt.stats().wall_seconds()},
-                        {"cpuSeconds", attempt.stats().cpu_seconds()},
-                        {"peakMemoryBytes", attempt.stats().peak_memory_bytes()},
-                        {"fetchedBytes", attempt.stats().fetched_bytes()},
-                        {"outcome", OutcomeName(attempt.outcome())},
-                        {"error", error},
-                        {"log", std::vector<std::string>(attempt.log().lines().begin(), attempt.log().lines().end())},
-                        {"logLinesLeftOut", attempt.log().left_out()}});
-  }
+  for (const v1::TaskAttempt& attempt : logs.attempts()) attempts.push_back(AttemptToJson(attempt));
   return {{"job", logs.job_id()}, {"attemptsForgotten", logs.forgotten()}, {"attempts", attempts}};
 }
 

@@ -9,6 +9,7 @@
 #include "common/text/text_table.h"
 #include "common/wire/envelope.h"
 #include "common/wire/task_wire.h"
+#include "coordinator/cli/logs_report.h"
 
 namespace depthfarm {
 namespace {
@@ -62,12 +63,35 @@ std::string OutputText(const v1::JobStatus& job) {
   return "on the workers; depthfarm fetch " + std::to_string(job.job_id()) + " -o DIR";
 }
 
+// The task that the job failed with, and how.
+std::string FailedTaskText(const v1::JobStatus& job) {
+  if (!job.has_failed_task()) return {};
+  std::string text = "  quarantined: " + NameWithinJob(job.failed_task()) + "; retry begins it anew\n";
+  for (const v1::TaskAttempt& attempt : job.failed_attempts()) {
+    text += "    attempt " + std::to_string(attempt.attempt()) + " on " + attempt.worker() + ", " +
+            FormatDuration(attempt.seconds()) + ": " + OutcomeName(attempt.outcome()) + "\n" + NotesOf(attempt);
+  }
+  return text;
+}
+
+std::string DuplicatesText(const v1::JobStatus& job) {
+  if (job.duplicates() == 0) return {};
+  return "  slow tasks given to a second worker: " + std::to_string(job.duplicates()) + ", which was faster with " +
+         std::to_string(job.duplicates_won()) + "\n";
+}
+
 // What was there already, of the tasks that make an artifact; nothing if nothing was.
 std::string ReusedText(const v1::JobStatus& job) {
   std::uint64_t reused = 0;
   for (const v1::StageStatus& stage : job.stages()) reused += stage.reused();
   if (reused == 0) return {};
   return "  reused " + std::to_string(reused) + " of " + std::to_string(CountTasks(job).total) + " tasks\n";
+}
+
+OrderedJson FailedAttemptsJson(const v1::JobStatus& job) {
+  OrderedJson attempts = OrderedJson::array();
+  for (const v1::TaskAttempt& attempt : job.failed_attempts()) attempts.push_back(AttemptToJson(attempt));
+  return attempts;
 }
 
 }  // namespace
@@ -145,6 +169,10 @@ OrderedJson JobToJson(const v1::JobStatus& job) {
           {"secondsLeft", job.has_seconds_left() ? OrderedJson(job.seconds_left()) : OrderedJson(nullptr)},
           {"priority", job.priority()},
           {"retries", job.retries()},
+          {"duplicates", job.duplicates()},
+          {"duplicatesWon", job.duplicates_won()},
+          {"failedTask", job.has_failed_task() ? OrderedJson(NameWithinJob(job.failed_task())) : OrderedJson(nullptr)},
+          {"failedAttempts", FailedAttemptsJson(job)},
           {"determinismViolations", job.determinism_violations()},
           {"summary", job.summary()},
           {"outputDir", job.output_dir()},
@@ -178,6 +206,7 @@ std::string FormatJob(const v1::JobStatus& job) {
   text += "  output: " + OutputText(job) + "\n";
   text += ReusedText(job);
   if (job.retries() > 0) text += "  retries: " + std::to_string(job.retries()) + "\n";
+  text += DuplicatesText(job) + FailedTaskText(job);
   if (job.determinism_violations() > 0) {
     text += "  DETERMINISM VIOLATIONS: " + std::to_string(job.determinism_violations()) +
             ": a task done twice gave different results; one of the hosts computes wrongly\n";

@@ -69,6 +69,16 @@ RemainingTime::Class& RemainingTime::ClassOf(const TaskId& id) {
   return classes_[plan_.resolved().IsIFrame(id.frame) ? kIFrame : kPFrame][static_cast<std::size_t>(id.kind)];
 }
 
+const RemainingTime::Class& RemainingTime::ClassOf(const TaskId& id) const {
+  return classes_[plan_.resolved().IsIFrame(id.frame) ? kIFrame : kPFrame][static_cast<std::size_t>(id.kind)];
+}
+
+std::optional<double> RemainingTime::SecondsOf(const TaskId& id) const {
+  const Class& of = ClassOf(id);
+  if (of.tasks_measured < kLeastMeasured) return std::nullopt;
+  return Cost(id) * RatioOf(of, RatioOfAll());
+}
+
 void RemainingTime::AddToGop(const TaskId& id, double seconds) {
   const bool of_job = id.kind == TaskKind::kPrepare || id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
   // Of a GOP that is over only what other GOPs need of it is done again.
@@ -150,9 +160,7 @@ std::optional<double> RemainingTime::Seconds(double slots, std::span<const TaskI
   for (const auto& type : classes_)
     for (const Class& of : type) left += std::max(0.0, of.total - of.done) * RatioOf(of, of_all);
   for (const TaskId& id : computing) {
-    const Class& of =
-        classes_[plan_.resolved().IsIFrame(id.frame) ? kIFrame : kPFrame][static_cast<std::size_t>(id.kind)];
-    left -= 0.5 * Cost(id) * RatioOf(of, of_all);
+    left -= 0.5 * Cost(id) * RatioOf(ClassOf(id), of_all);
   }
   // Of the GOP of which most is left.
   double share = static_cast<int>(closed_gops_.size() + open_gops_.size()) < plan_.num_gops() ? 1 : 0;

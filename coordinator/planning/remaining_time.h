@@ -33,6 +33,10 @@ class RemainingTime {
   void Close(int gop);
   void OpenAgain(int gop);
 
+  // How long such a task is expected to take a slot; nothing while fewer than three of its kind and type of frame were
+  // measured.
+  [[nodiscard]] std::optional<double> SecondsOf(const TaskId& id) const;
+
   // From now on, if the job has `slots` slots (of a share of the farm: also less than one) as long as it has work for
   // them: the tasks that are left, of those that compute now half, spread over the slots; no less than the longest
   // chain of tasks in a GOP takes. Nothing while fewer than three tasks were measured, or without slots.
@@ -52,6 +56,7 @@ class RemainingTime {
 
   [[nodiscard]] double Cost(const TaskId& id) const;
   [[nodiscard]] Class& ClassOf(const TaskId& id);
+  [[nodiscard]] const Class& ClassOf(const TaskId& id) const;
   void AddToGop(const TaskId& id, double seconds);
   // Measured to predicted.
   [[nodiscard]] double RatioOfAll() const;

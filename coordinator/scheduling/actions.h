@@ -24,6 +24,7 @@ struct Grant {
   std::uint64_t ask_id = 0;
   int attempt = 1;
   bool first_of_job = false;  // the worker may not have the JobConfig
+  bool duplicate = false;     // another worker has the task, too
   GrantedTask task;
 };
 struct AcknowledgeHeartbeat {
@@ -78,6 +79,7 @@ enum class AttemptOutcome {
   kFailed,
   kGivenBack,  // not begun, or its worker left: nobody's failure
   kRevoked,    // its job ended
+  kOvertaken,  // the other attempt of the task ended it first
   kExpired,
   kWorkerLost,
 };
@@ -86,7 +88,7 @@ struct AttemptEnded {
   LeaseId lease;
   TaskId task;
   AttemptOutcome outcome = AttemptOutcome::kDone;
-  Status error;  // of kFailed
+  Status error;  // of kFailed, kExpired and kWorkerLost
 };
 // The worker was silent for a lease: it is out until it says Hello again.
 struct WorkerLost {

@@ -267,8 +267,9 @@ void JobProgress::ForgetProducer(const TaskId& id, const ArtifactKey& key) {
 }
 
 void JobProgress::PutBack(const TaskId& id) {
-  const Task* task = table_.Find(id);
+  Task* task = table_.Find(id);
   if (task == nullptr || task->state != TaskState::kLeased) return;
+  task->duplicate.reset();
   table_.SetState(id, TaskState::kBlocked);
   Queue(id);
   Settle();
@@ -278,6 +279,7 @@ Result<bool> JobProgress::Finish(const TaskFinished& result) {
   const TaskId& id = result.task;
   Task& task = *table_.Find(id);
   DEPTHFARM_RETURN_IF_ERROR(CheckResult(result, task));
+  task.duplicate.reset();
   bool changed_content = false;
   if (plan_.MakesArtifact(id.kind)) {
     changed_content = task.artifact && task.artifact->key == result.artifact->key && *task.artifact != *result.artifact;

@@ -62,6 +62,9 @@ class JobProgress {
   }
   // Leases a ready task, if its inputs are still there; else it (or what it needs) is put back and the result is empty.
   [[nodiscard]] std::optional<GrantedTask> Take(const TaskId& id, LeaseId lease);
+  // Leases a leased task a second time; empty if it has two leases or had them before, writes into a folder, or an
+  // input of it is lost.
+  [[nodiscard]] std::optional<GrantedTask> TakeAgain(const TaskId& id, LeaseId lease);
   // A leased task goes back to be done again; nothing for a task that is not leased.
   void PutBack(const TaskId& id);
 

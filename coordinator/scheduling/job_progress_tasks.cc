@@ -120,9 +120,26 @@ std::optional<GrantedTask> JobProgress::Take(const TaskId& id, LeaseId lease) {
     granted.holders.push_back(HoldersToTell(directory_, input.artifact.key, lease));
   table_.SetState(id, TaskState::kLeased);
   task->lease = lease;
+  task->duplicate.reset();
   task->staging = granted.spec.staging;
   task->expected_key = granted.spec.output_key;
   if (id.kind == TaskKind::kPrepare) prepare_was_granted_ = true;
+  return granted;
+}
+
+std::optional<GrantedTask> JobProgress::TakeAgain(const TaskId& id, LeaseId lease) {
+  Task* task = table_.Find(id);
+  const bool once = task != nullptr && task->state == TaskState::kLeased && !task->was_duplicated;
+  // Two attempts that both name an artifact name the same one. Two that write files could meet in the output folder
+  // after the job has given it up.
+  if (!once || !plan_.MakesArtifact(id.kind)) return std::nullopt;
+  GrantedTask granted{Spec(id), {}, {}};
+  if (granted.spec.inputs.size() != plan_.Inputs(id).size() || granted.spec.output_key != task->expected_key)
+    return std::nullopt;
+  for (const TaskInput& input : granted.spec.inputs)
+    granted.holders.push_back(HoldersToTell(directory_, input.artifact.key, lease));
+  task->duplicate = lease;
+  task->was_duplicated = true;
   return granted;
 }
 

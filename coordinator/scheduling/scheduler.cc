@@ -42,14 +42,23 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
     AddNote(Note::Severity::kWarning, "lease_expired",
             {{"task", TaskName(lease.task)}, {"lease", Number(id.value())}, {"worker", Number(lease.worker.value())}});
     Add(Revoke{lease.worker, id});
-    AddEnd(id, lease.task, AttemptOutcome::kExpired);
-    CountFailure(lease.task, lease.worker, {ErrorCode::kLeaseExpired, "the lease ran out"});
+    // Of a worker that died right after the grant the lease ends before its silence is noticed.
+    const Status reason =
+        Status(ErrorCode::kLeaseExpired, "the lease ran out").WithContext(workers_.Find(lease.worker)->name);
+    AddEnd(id, lease.task, AttemptOutcome::kExpired, reason);
+    FailAttempt(id, lease, reason, true);
   }
   Advance();
+  workers_.MarkBegun(now_);
+  GrantDuplicates();
   return std::exchange(actions_, {});
 }
 
 void Scheduler::On(const WorkerJoined& event) {
+  if (const Worker* before = workers_.Find(event.worker); before != nullptr && event.restarted) {
+    const Status died(ErrorCode::kUnavailable, "the worker died and was started again");
+    EndLeasesOf(*before, &died);
+  }
   Worker& worker = workers_.Join(event, now_);
   AddNote(
       Note::Severity::kInfo, "worker_joined",
@@ -64,9 +73,9 @@ void Scheduler::On(const WorkerJoined& event) {
     }
     const Lease ended = lease;
     workers_.EndLease(id);
-    JobRecord* job = FindJob(ended.task.job);
-    if (!ended.revoked) AddEnd(id, ended.task, AttemptOutcome::kGivenBack);
-    if (!ended.revoked && job != nullptr) job->progress->PutBack(ended.task);  // the grant never arrived
+    if (ended.revoked) continue;
+    AddEnd(id, ended.task, AttemptOutcome::kGivenBack);
+    GiveBack(id, ended.task);  // the grant never arrived
   }
   for (const LeaseId id : running) {
     if (!worker.leases.contains(id)) Add(Revoke{event.worker, id});
@@ -149,7 +158,9 @@ void Scheduler::On(const TaskFinished& event) {
   const std::optional<Lease> lease = EndLeaseOf(event.worker, event.lease, event.task);
   if (!lease) return;
   JobRecord* job = FindJob(event.task.job);
-  if (job == nullptr || job->progress->Find(event.task) == nullptr) {  // its frame was committed meanwhile
+  const Task* task = FindTask(event.task);
+  // Its frame was committed meanwhile, and then maybe lost and begun anew: whose lease that is, his is the result.
+  if (task == nullptr || !task->IsLeasedBy(event.lease)) {
     AddEnd(event.lease, event.task, AttemptOutcome::kDone);
     return;
   }
@@ -179,13 +190,14 @@ void Scheduler::On(const TaskFailed& event) {
            {"code", std::string(ErrorCodeName(code))},
            {"reason", event.error.message()}});
   if (given_back) {
-    job->progress->PutBack(event.task);  // not begun, or given up by a worker that leaves: nobody's failure
+    GiveBack(event.lease, event.task);  // not begun, or given up by a worker that leaves: nobody's failure
   } else if (code == ErrorCode::kInvalidArgument && event.task.kind != TaskKind::kCleanup) {
+    job->failed_task = event.task;
     EndJobBadly(event.task.job, JobState::kFailed, event.error.WithContext(TaskName(event.task)));
   } else if (!event.missing_inputs.empty()) {
     ForgetInputs(*job, event, *lease);
   } else {
-    CountFailure(event.task, event.worker, event.error);
+    FailAttempt(event.lease, *lease, event.error);
   }
 }
 
@@ -215,31 +227,13 @@ void Scheduler::On(const WorkerLeft& event) {
 void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
   const WorkerId id = worker.id;
   const std::string name = worker.name;
-  const int slots = worker.slots;
-  std::vector<std::pair<LeaseId, Lease>> ended;
-  for (const LeaseId lease : worker.leases) ended.emplace_back(lease, *workers_.FindLease(lease));
-  for (const auto& [lease_id, lease] : ended) workers_.EndLease(lease_id);
-  workers_.Remove(id);
   for (auto& [job_id, job] : jobs_) job.homes.Forget(id);
   AddNote(lost == nullptr ? Note::Severity::kInfo : Note::Severity::kWarning,
           lost == nullptr ? "worker_left" : "worker_lost", {{"worker", Number(id.value())}, {"name", name}});
   if (lost != nullptr) Add(WorkerLost{id, name});
   LoseArtifacts(directory_.RemoveWorker(id));
-  // A worker begins its tasks in the order of their leases: those behind its slots can't be what killed it.
-  int computing = 0;
-  for (const auto& [lease_id, lease] : ended) {
-    JobRecord* job = FindJob(lease.task.job);
-    const bool begun = computing < slots;
-    computing += lease.revoked ? 0 : 1;
-    if (lease.revoked) continue;
-    AddEnd(lease_id, lease.task, lost != nullptr && begun ? AttemptOutcome::kWorkerLost : AttemptOutcome::kGivenBack);
-    if (job == nullptr) continue;
-    if (lost == nullptr || !begun) {
-      job->progress->PutBack(lease.task);
-    } else {
-      CountFailure(lease.task, id, lost->WithContext(name));
-    }
-  }
+  EndLeasesOf(worker, lost);
+  workers_.Remove(id);
 }
 
 void Scheduler::AddArtifact(WorkerId worker, const ArtifactInfo& artifact, JobId job, const std::string& made_by) {
@@ -278,6 +272,11 @@ std::optional<JobId> Scheduler::JobWritingTo(const std::string& output_dir) cons
     if (!config.keeps_results && config.output_dir == output_dir) return id;
   }
   return std::nullopt;
+}
+
+bool Scheduler::IsDuplicate(LeaseId lease) const {
+  const auto found = workers_.leases().find(lease);
+  return found != workers_.leases().end() && found->second.duplicate;
 }
 
 bool Scheduler::empty() const {

@@ -29,10 +29,15 @@ struct SchedulerOptions {
   Milliseconds submitter_silence{30000};  // after which a job whose submitter serves its pictures fails
   int max_attempts = 4;                   // of one task, before its job fails
   int max_setbacks = 16;                  // times that a task's artifact or inputs may be lost, before its job fails
-  int ready_per_slot = 2;                 // another GOP is opened when fewer tasks are ready for each slot of a worker
-  int max_open_gops = 1024;               // of one job
-  int gops_at_once = 64;                  // opened for one event: it must take well less than a lease
-  std::uint64_t first_lease = 1;          // a number that no earlier coordinator of the same workers used
+  Milliseconds retry_pause{500};          // of a task that failed, before its next attempt; twice as long after each
+  Milliseconds longest_retry_pause{30000};
+  bool duplicates = true;              // whether a task that takes too long is granted a second time
+  double straggler_factor = 2;         // too long: so many times what is expected, and
+  Milliseconds straggler_least{5000};  // at least this
+  int ready_per_slot = 2;              // another GOP is opened when fewer tasks are ready for each slot of a worker
+  int max_open_gops = 1024;            // of one job
+  int gops_at_once = 64;               // opened for one event: it must take well less than a lease
+  std::uint64_t first_lease = 1;       // a number that no earlier coordinator of the same workers used
 };
 
 // All that the coordinator knows and decides. Holds no socket, file, thread or clock; the same events at the same times
@@ -67,6 +72,9 @@ class Scheduler {
   [[nodiscard]] Backlog BacklogOf(const std::set<std::string>& tags) const;
   [[nodiscard]] Backlog TotalBacklog() const;
 
+  // Whether it is the second one of a task that is leased.
+  [[nodiscard]] bool IsDuplicate(LeaseId lease) const;
+
   // Results of leases that had ended before.
   [[nodiscard]] std::uint64_t late_results() const { return late_results_; }
   // True when nothing is kept: no job, lease, worker or artifact.
@@ -89,7 +97,11 @@ class Scheduler {
     Status error;
     TimePoint cleanup_deadline;
     bool cleanup_started = false;
+    std::map<TaskId, TimePoint> resting;  // tasks that failed: when they may be tried again
+    std::optional<TaskId> failed_task;    // that it fails with
     std::uint64_t retries = 0;
+    std::uint64_t duplicates = 0;
+    std::uint64_t duplicates_won = 0;
     std::uint64_t violations = 0;
   };
 
@@ -115,11 +127,23 @@ class Scheduler {
   void LoseArtifacts(const std::vector<ArtifactKey>& keys);
   void AddViolation(JobId job, const ArtifactKey& key, const std::string& made_by);
 
+  // scheduler_failures.cc: what becomes of a task whose attempt ended without a result.
+  [[nodiscard]] Task* FindTask(const TaskId& id);
+  // The task is ready again, unless another attempt of it goes on or it was not the lease's any more; no failure.
+  void GiveBack(LeaseId id, const TaskId& task);
+  // The task is ready again, or the job fails since its attempts are used up.
+  void TryAgain(const TaskId& id);
+  // The same as GiveBack, and a failure of the task. `died`: with its worker, or its worker was not heard of.
+  void FailAttempt(LeaseId id, const Lease& lease, const Status& error, bool died = false);
+  void ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease);
+  // The worker is gone with all its leases. `lost`: why, if those that it can have begun failed with it.
+  void EndLeasesOf(const Worker& worker, const Status* lost);
+  // Whether the task is tried on a worker that has nothing else: others were lost with it.
+  [[nodiscard]] bool IsTriedAlone(const Task& task) const;
+
   // scheduler_jobs.cc
   [[nodiscard]] JobRecord* FindJob(JobId id);
   void TaskDone(JobRecord& job, const TaskFinished& event, const Lease& lease);
-  void CountFailure(const TaskId& task, WorkerId worker, const Status& error);
-  void ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease);
   void EndJobBadly(JobId id, JobState state, const Status& error);
   void ReleaseArtifactsOf(JobRecord& job);
   void ReleaseUnneeded(const std::vector<ArtifactKey>& keys);
@@ -153,8 +177,19 @@ class Scheduler {
   [[nodiscard]] bool AssignAmong(JobRecord& job, const ReadyRange& tasks, const std::vector<WorkerId>& takers,
                                  bool hold, std::vector<WorkerId>& free_workers);
   void MakeGrant(JobRecord& job, const Placement& placement);
+  // Leases the task, which was taken, to the worker.
+  void Hand(JobRecord& job, const Placement& placement, LeaseId lease_id, GrantedTask task, bool duplicate);
+  // scheduler_duplicates.cc: grants what takes too long a second time, to workers that found nothing to do.
+  void GrantDuplicates();
+  [[nodiscard]] bool TakesTooLong(LeaseId id, const Lease& lease) const;
+  // True if there is one of the idle workers for the task, who then is no longer among them.
+  [[nodiscard]] bool GrantAgain(const Lease& lease, std::vector<WorkerId>& idle_workers);
+  // The result of another attempt of the task was first.
+  void Overtake(LeaseId id);
   // scheduler_rebalance.cc: asks back what waits behind the slots of others, for workers that found nothing ready.
   void Rebalance(std::vector<WorkerId> idle_workers);
+  // Without those that a task was asked back for just now.
+  void EraseAwaited(std::vector<WorkerId>& idle_workers) const;
   [[nodiscard]] std::vector<LeaseId> LeasesToAskBack() const;
   // True if there is one of the idle workers for the task, who then is no longer among them.
   [[nodiscard]] bool MayBeAskedBack(LeaseId id, const Lease& lease) const;

@@ -82,6 +82,7 @@ TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task,
   for (const ArtifactInfo& input : job.progress->InputsOf(task)) AddHolders(input, free_workers, candidate);
   if (const std::optional<ArtifactInfo> known = KnownOf(job, task)) AddHolders(*known, free_workers, candidate);
   const std::set<WorkerId>& failed_on = job.progress->Find(task)->failed_on;
+  const bool alone = IsTriedAlone(*job.progress->Find(task));
   const std::uint64_t memory = job.progress->MemoryOf(task);
   const auto any_other = [&](auto&& is_one) {
     return std::ranges::any_of(workers_.workers(),
@@ -103,7 +104,7 @@ TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task,
     const bool spared = held != held_.end() && held->second.job == task.job && held->second != task;
     if (!is_able(worker) || (others && failed_on.contains(id)) || spared) {
       candidate.avoid.insert(id);
-    } else if (worker.IsLarge(memory) ? !worker.HasMemory(memory) : !worker.leases.empty()) {
+    } else if (worker.IsLarge(memory) && !alone ? !worker.HasMemory(memory) : !worker.leases.empty()) {
       candidate.full.insert(id);
     }
   }
@@ -157,6 +158,8 @@ bool Scheduler::AssignAmong(JobRecord& job, const ReadyRange& tasks, const std::
       // What another task makes just now is not made twice: when that one is done, this one finds it there.
       const std::optional<ArtifactKey>& work = job.progress->WorkOf(*next);
       if (work && workers_.IsUnderWay(*work)) continue;
+      const auto resting = job.resting.find(*next);
+      if (resting != job.resting.end() && resting->second > now_) continue;
       candidates.push_back(CandidateOf(job, *next, takers));
     }
     if (const std::optional<Placement> placement = ChoosePlacement(candidates, takers)) {
@@ -195,33 +198,41 @@ void Scheduler::MakeGrant(JobRecord& job, const Placement& placement) {
   const LeaseId lease_id(next_lease_);
   std::optional<GrantedTask> task = job.progress->Take(placement.task, lease_id);
   if (!task) return;  // its inputs are gone, or its artifact is there already
-  ++next_lease_;
-  job.last_grant = lease_id.value();
+  job.resting.erase(placement.task);
   if (!EndsAFrameOrJob(placement.task.kind)) {
     job.homes.Claim(job.progress->plan().GopOf(placement.task.frame), placement.worker);
   }
+  Hand(job, placement, lease_id, std::move(*task), false);
+}
+
+void Scheduler::Hand(JobRecord& job, const Placement& placement, LeaseId lease_id, GrantedTask task, bool duplicate) {
+  ++next_lease_;
+  job.last_grant = lease_id.value();
   Worker& worker = *workers_.Find(placement.worker);
   if (const std::optional<ArtifactInfo> known = KnownOf(job, placement.task)) {
-    task->spec.known = TaskInput{*known, InputRole::kAnalysis, placement.task.index, {}};
-    task->holders_of_known = HoldersToTell(directory_, known->key, lease_id);
+    task.spec.known = TaskInput{*known, InputRole::kAnalysis, placement.task.index, {}};
+    task.holders_of_known = HoldersToTell(directory_, known->key, lease_id);
   }
+  const Task& state = *job.progress->Find(placement.task);
   Lease& lease = workers_.AddLease(lease_id, {.task = placement.task,
                                               .worker = worker.id,
                                               .expires = now_ + options_.lease,
                                               .told = {},
                                               .work = job.progress->WorkOf(placement.task),
-                                              .memory_bytes = job.progress->MemoryOf(placement.task)});
-  for (std::size_t i = 0; i < task->spec.inputs.size(); ++i) {
-    lease.told.emplace_back(task->spec.inputs[i].artifact.key, task->holders[i]);
+                                              .memory_bytes = job.progress->MemoryOf(placement.task),
+                                              .duplicate = duplicate,
+                                              .alone = IsTriedAlone(state)});
+  for (std::size_t i = 0; i < task.spec.inputs.size(); ++i) {
+    lease.told.emplace_back(task.spec.inputs[i].artifact.key, task.holders[i]);
   }
-  const int attempt = job.progress->Find(placement.task)->failures + 1;
+  const int attempt = state.failures + 1;
   const bool first_of_job = !std::exchange(worker.told_jobs[placement.task.job], true);
-  AddNote(Note::Severity::kInfo, "task_granted",
+  AddNote(Note::Severity::kInfo, duplicate ? "task_duplicated" : "task_granted",
           {{"task", TaskName(placement.task)},
            {"lease", std::to_string(lease_id.value())},
            {"worker", worker.name},
            {"attempt", std::to_string(attempt)}});
-  Add(Grant{worker.id, lease_id, worker.ask->id, attempt, first_of_job, std::move(*task)});
+  Add(Grant{worker.id, lease_id, worker.ask->id, attempt, first_of_job, duplicate, std::move(task)});
   worker.ask.reset();
 }
 

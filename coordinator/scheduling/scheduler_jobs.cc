@@ -56,13 +56,20 @@ void Scheduler::On(const JobForgotten& event) { ReleaseUnneeded(results_.Forget(
 
 void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease& lease) {
   const std::vector<ArtifactInfo> inputs = job.progress->InputsOf(event.task);
+  const Task& task = *job.progress->Find(event.task);
+  const std::optional<LeaseId> other =
+      task.duplicate == event.lease ? std::optional(task.lease) : task.duplicate;  // before the task is gone
   Result<bool> changed_content = job.progress->Finish(event);
   if (!changed_content.ok()) {
     AddEnd(event.lease, event.task, AttemptOutcome::kFailed, changed_content.status());
-    CountFailure(event.task, event.worker, changed_content.status());
+    FailAttempt(event.lease, lease, changed_content.status());
     return;
   }
   AddEnd(event.lease, event.task, event.stats.reused ? AttemptOutcome::kReused : AttemptOutcome::kDone);
+  job.duplicates_won += lease.duplicate ? 1 : 0;
+  // Where the last attempt failed and its duplicate did not: should the artifact be lost, there is one attempt left.
+  if (Task* done = FindTask(event.task)) done->failures = std::min(done->failures, options_.max_attempts - 1);
+  if (other) Overtake(*other);
   if (event.task.kind == TaskKind::kAnalyse && lease.work) analyses_.Remember(*lease.work, event.artifact->key);
   if (*changed_content) AddViolation(event.task.job, event.artifact->key, TaskName(event.task));
   // What a worker has read it holds, until it says otherwise (PROTOCOL.md).
@@ -81,48 +88,6 @@ void Scheduler::TaskDone(JobRecord& job, const TaskFinished& event, const Lease&
   }
   if (!job.progress->done()) return;
   EndJob(event.task.job, job.ending == JobState::kRunning ? JobState::kDone : job.ending);
-}
-
-void Scheduler::CountFailure(const TaskId& id, WorkerId worker, const Status& error) {
-  JobRecord* job = FindJob(id.job);
-  Task* task = job == nullptr ? nullptr : job->progress->Find(id);
-  if (task == nullptr || task->state != TaskState::kLeased) return;
-  ++job->retries;
-  ++task->failures;
-  task->failed_on.insert(worker);
-  if (task->failures < options_.max_attempts) {
-    job->progress->PutBack(id);
-    return;
-  }
-  const Status reason(error.code(), TaskName(id) + " failed " + std::to_string(task->failures) +
-                                        " times, the last time: " + error.message());
-  if (id.kind == TaskKind::kCleanup) {
-    AddNote(Note::Severity::kWarning, "cleanup_failed",
-            {{"job", std::to_string(id.job.value())}, {"reason", reason.message()}});
-    EndJob(id.job, job->ending);
-    return;
-  }
-  EndJobBadly(id.job, JobState::kFailed, reason);
-}
-
-void Scheduler::ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease) {
-  std::vector<ArtifactKey> lost;
-  for (const auto& [key, holders] : lease.told) {
-    if (std::find(event.missing_inputs.begin(), event.missing_inputs.end(), key) == event.missing_inputs.end())
-      continue;
-    for (const WorkerId holder : holders) {
-      if (directory_.Remove(holder, key)) lost.push_back(key);
-    }
-  }
-  job.progress->Find(event.task)->failed_on.insert(event.worker);
-  ++job.retries;
-  job.progress->CountSetback(event.task);
-  if (job.progress->worn_out()) {
-    EndJobBadly(event.task.job, JobState::kFailed, event.error.WithContext(TaskName(event.task)));
-  } else {
-    job.progress->PutBack(event.task);
-  }
-  LoseArtifacts(lost);
 }
 
 void Scheduler::EndJobBadly(JobId id, JobState state, const Status& error) {
@@ -294,16 +259,19 @@ JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
   for (const auto& [lease_id, lease] : workers_.leases()) {
     if (lease.task.job != id) continue;
     const Worker& worker = *workers_.Find(lease.worker);
-    snapshot.running.push_back({lease.task, lease.worker, worker.name});
+    snapshot.running.push_back({lease.task, lease.worker, worker.name, lease.duplicate});
     // A worker begins its tasks in the order of their leases.
     const auto before = std::distance(worker.leases.begin(), worker.leases.find(lease_id));
-    if (before < worker.slots) computing.push_back(lease.task);
+    if (before < worker.slots && !lease.duplicate) computing.push_back(lease.task);
   }
   if (job.ending == JobState::kRunning)
     snapshot.seconds_left = job.progress->remaining().Seconds(SlotsOf(id, job), computing);
   snapshot.tags = job.tags;
   snapshot.lacks_worker = !job.taken;
   snapshot.retries = job.retries;
+  snapshot.duplicates = job.duplicates;
+  snapshot.duplicates_won = job.duplicates_won;
+  snapshot.failed_task = job.failed_task;
   snapshot.determinism_violations = job.violations;
   snapshot.submitted = job.submitted;
   return snapshot;

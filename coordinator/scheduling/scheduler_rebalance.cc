@@ -9,17 +9,21 @@
 
 namespace depthfarm {
 
-// Only the worker knows whether it has begun a task: what it ended may not have been heard of yet. So the lease stays
-// as it is until the worker answers, and a task that it has begun it simply goes on with.
-void Scheduler::Rebalance(std::vector<WorkerId> idle_workers) {
+void Scheduler::EraseAwaited(std::vector<WorkerId>& idle_workers) const {
   for (const auto& [id, worker] : workers_.workers()) {
     for (const LeaseId lease : workers_.BehindSlots(worker)) {
-      const Lease& asked = *workers_.FindLease(lease);
+      const Lease& asked = workers_.leases().at(lease);
       // Not for ever: the question or its answer may be lost.
       if (asked.asked_back_for && now_ - asked.asked_back_at < options_.lease / 2)
         std::erase(idle_workers, *asked.asked_back_for);
     }
   }
+}
+
+// Only the worker knows whether it has begun a task: what it ended may not have been heard of yet. So the lease stays
+// as it is until the worker answers, and a task that it has begun it simply goes on with.
+void Scheduler::Rebalance(std::vector<WorkerId> idle_workers) {
+  EraseAwaited(idle_workers);
   if (idle_workers.empty()) return;
   // Each look costs a pass over the idle workers; where so many found none, the next event looks again.
   std::size_t in_vain = 0;

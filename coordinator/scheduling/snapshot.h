@@ -30,6 +30,7 @@ struct RunningTask {
   TaskId task;
   WorkerId worker;
   std::string worker_name;
+  bool duplicate = false;  // of a task that another worker has, too
 };
 
 struct JobSnapshot {
@@ -48,6 +49,9 @@ struct JobSnapshot {
   std::set<std::string> tags;          // that its workers must have
   bool lacks_worker = false;           // there is none that takes its tasks
   std::uint64_t retries = 0;
+  std::uint64_t duplicates = 0;       // tasks that were granted a second time since they took so long
+  std::uint64_t duplicates_won = 0;   // of which that attempt was first
+  std::optional<TaskId> failed_task;  // that the job failed with
   std::uint64_t determinism_violations = 0;
   TimePoint submitted;
   TimePoint ended;  // of a job that ended

@@ -18,6 +18,13 @@ bool ByUrgency::operator()(const TaskId& a, const TaskId& b) const {
 
 bool EquallyUrgent(const TaskId& a, const TaskId& b) { return a.frame == b.frame && a.kind == b.kind; }
 
+bool Task::GoesOnWithout(LeaseId id) {
+  if (!duplicate || !IsLeasedBy(id)) return false;
+  if (lease == id) lease = *duplicate;
+  duplicate.reset();
+  return true;
+}
+
 Task& TaskTable::Add(const TaskId& id) { return tasks_[id]; }
 
 Task* TaskTable::Find(const TaskId& id) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/status.h"
 #include "common/job/task_spec.h"
 
 namespace depthfarm {
@@ -17,19 +18,29 @@ namespace depthfarm {
 enum class TaskState { kBlocked, kReady, kLeased, kDone };
 
 struct Task {
+  // Whether this is a lease that its result may come from.
+  [[nodiscard]] bool IsLeasedBy(LeaseId id) const {
+    return state == TaskState::kLeased && (lease == id || duplicate == id);
+  }
+  // The lease is over without a result. True if the task goes on with its other lease.
+  bool GoesOnWithout(LeaseId id);
+
   TaskState state = TaskState::kBlocked;
   int failures = 0;                         // attempts that failed or were lost with their worker
+  int deaths = 0;                           // of these, those whose worker or lease was lost
   int setbacks = 0;                         // times that inputs or the own artifact were lost
   int consumers = 0;                        // tasks that need this one and are not done
   int asked_back = 0;                       // the attempt for which a worker was asked to give it back; 0: none
   LeaseId lease;                            // of a leased task
+  std::optional<LeaseId> duplicate;         // a second one of it
+  bool was_duplicated = false;              // which it gets once
   std::string staging;                      // of a leased Emit: the folder it writes into
   std::optional<ArtifactKey> work;          // JobProgress::WorkOf, of a task that became ready
   std::optional<ArtifactKey> expected_key;  // of a leased Estimate, Merge, Refine or Assess
   std::set<WorkerId> failed_on;
   std::vector<TaskId> watchers;          // blocked tasks that look again when this one is done
   std::optional<ArtifactInfo> artifact;  // what it made last; names what to look for in the directory
-  std::string last_error;
+  Status last_failure;                   // what the last of its failures said
 };
 
 // Most urgent first: what ends a frame (Prepare, Emit, Commit, Manifest, Cleanup), then earlier frames, and within a

@@ -51,6 +51,7 @@ Lease& WorkerTable::AddLease(LeaseId id, Lease lease) {
   Worker& worker = workers_.at(lease.worker);
   worker.leases.insert(id);
   worker.memory_taken += lease.memory_bytes;
+  worker.alone += lease.alone ? 1 : 0;
   ++leases_of_[lease.task.job];
   if (lease.work) ++under_way_[*lease.work];
   return leases_[id] = std::move(lease);
@@ -73,6 +74,7 @@ void WorkerTable::EndLease(LeaseId id) {
   if (Worker* worker = Find(lease->second.worker)) {
     worker->leases.erase(id);
     worker->memory_taken -= lease->second.memory_bytes;
+    worker->alone -= lease->second.alone ? 1 : 0;
     worker->revoked -= lease->second.revoked ? 1 : 0;
   }
   const auto count = leases_of_.find(lease->second.task.job);
@@ -84,6 +86,18 @@ void WorkerTable::EndLease(LeaseId id) {
 int WorkerTable::LeasesOf(JobId job) const {
   const auto count = leases_of_.find(job);
   return count == leases_of_.end() ? 0 : count->second;
+}
+
+void WorkerTable::MarkBegun(TimePoint now) {
+  for (const auto& [id, worker] : workers_) {
+    int slots = worker.slots;
+    for (const LeaseId lease_id : worker.leases) {
+      Lease& lease = leases_.at(lease_id);
+      if (lease.revoked) continue;
+      if (slots-- <= 0) break;
+      if (!lease.begun) lease.begun = now;
+    }
+  }
 }
 
 std::vector<LeaseId> WorkerTable::BehindSlots(const Worker& worker) const {
@@ -99,7 +113,7 @@ std::vector<LeaseId> WorkerTable::BehindSlots(const Worker& worker) const {
 }
 
 WorkerTable::Room WorkerTable::RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const {
-  if (worker.draining || !worker.ask || now - worker.ask->received >= max_age) return Room::kNone;
+  if (worker.draining || worker.alone > 0 || !worker.ask || now - worker.ask->received >= max_age) return Room::kNone;
   const int tasks = static_cast<int>(worker.leases.size()) - worker.revoked;
   if (tasks < worker.slots) return Room::kSlot;
   return tasks < worker.slots + worker.ahead ? Room::kAhead : Room::kNone;

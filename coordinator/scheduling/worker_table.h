@@ -44,6 +44,7 @@ struct Worker {
   std::set<LeaseId> leases;         // with those that were revoked and did not end yet
   int revoked = 0;                  // how many of these were
   std::uint64_t memory_taken = 0;   // by the tasks of all of these
+  int alone = 0;                    // how many of these let nothing beside them
   std::map<JobId, bool> told_jobs;  // whose JobConfig was sent to it; false: it may not have come
   std::uint64_t tasks_done = 0;
 };
@@ -56,7 +57,10 @@ struct Lease {
   std::vector<std::pair<ArtifactKey, std::vector<WorkerId>>> told;  // where the worker was told to find its inputs
   std::optional<ArtifactKey> work;                                  // JobProgress::WorkOf
   std::uint64_t memory_bytes = 0;                                   // that the task is expected to take
-  bool revoked = false;  // its result is not wanted; it counts until the worker is known to have stopped
+  bool revoked = false;                 // its result is not wanted; it counts until the worker is known to have stopped
+  bool duplicate = false;               // the second one of a task that is leased
+  bool alone = false;                   // its worker gets nothing else meanwhile
+  std::optional<TimePoint> begun = {};  // when a slot was free for it, as far as is known here
   std::optional<WorkerId> asked_back_for = {};  // the free worker that the task was asked back for
   TimePoint asked_back_at = {};
 };
@@ -85,6 +89,9 @@ class WorkerTable {
   // The worker's leases whose tasks it can't have begun, as far as is known here: it begins them in the order of their
   // leases, and these have as many before them as it has slots. Revoked ones do not count.
   [[nodiscard]] std::vector<LeaseId> BehindSlots(const Worker& worker) const;
+
+  // Notes of all leases that are not behind slots, and were not before, that they are begun (Lease::begun).
+  void MarkBegun(TimePoint now);
 
   // What a worker that asked less than `max_age` ago has room for.
   enum class Room {

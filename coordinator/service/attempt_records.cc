@@ -5,11 +5,6 @@
 namespace depthfarm {
 namespace {
 
-bool IsFailure(AttemptOutcome outcome) {
-  return outcome == AttemptOutcome::kFailed || outcome == AttemptOutcome::kExpired ||
-         outcome == AttemptOutcome::kWorkerLost;
-}
-
 std::size_t TextBytes(const AttemptRecord& attempt) {
   std::size_t bytes = attempt.error.message().size();
   for (const std::string& line : attempt.log.lines) bytes += line.size();
@@ -17,6 +12,11 @@ std::size_t TextBytes(const AttemptRecord& attempt) {
 }
 
 }  // namespace
+
+bool AttemptRecord::failed() const {
+  return outcome == AttemptOutcome::kFailed || outcome == AttemptOutcome::kExpired ||
+         outcome == AttemptOutcome::kWorkerLost;
+}
 
 void AttemptRecords::Begin(LeaseId lease, AttemptRecord attempt) {
   const JobId job = attempt.task.job;
@@ -42,7 +42,7 @@ void AttemptRecords::End(const AttemptEnded& end, TimePoint now) {
   attempt.ended = now;
   attempt.outcome = end.outcome;
   attempt.error = end.error;
-  const bool failed = IsFailure(end.outcome);
+  const bool failed = attempt.failed();
   LeaseQueue& queue = failed ? job.failed : job.well;
   queue.push_back(end.lease);
   if (const std::size_t bytes = TextBytes(attempt); bytes > 0) {

@@ -17,10 +17,14 @@ namespace depthfarm {
 
 // One lease of a task, from its grant on.
 struct AttemptRecord {
+  // Whether the attempt failed, or its worker was lost with it.
+  [[nodiscard]] bool failed() const;
+
   TaskId task;
   WorkerId worker;
   std::string worker_name;
   int attempt = 1;
+  bool duplicate = false;  // beside one that took too long
   TimePoint started;
   TimePoint ended;  // unless it is running
   AttemptOutcome outcome = AttemptOutcome::kRunning;

@@ -34,6 +34,7 @@ SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint
   scheduler.max_attempts = options.max_attempts;
   scheduler.max_setbacks = 4 * options.max_attempts;
   scheduler.first_lease = first_lease;
+  scheduler.duplicates = options.duplicates;
   return scheduler;
 }
 
@@ -239,7 +240,8 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
                          message.user_id,
                          hello.name(),
                          hello.software_version(),
-                         {hello.artifact_endpoint(), hello.artifact_public_key()}};
+                         {hello.artifact_endpoint(), hello.artifact_public_key()},
+                         hello.process()};
   };
   Result<WorkerSession> session = check();
   Result<std::set<std::string>> tags = CheckTags("worker tags", {hello.tags().begin(), hello.tags().end()});
@@ -249,6 +251,9 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
   }
   const WorkerSession* before = workers_.FindPeer(message.peer);
   if (before != nullptr && before->name != hello.name()) Dispatch(WorkerLeft{before->id});
+  const WorkerSession* same_name = workers_.FindName(hello.name());
+  const bool restarted =
+      same_name != nullptr && same_name->process != 0 && hello.process() != 0 && same_name->process != hello.process();
   const Result<WorkerId> id = workers_.Join(std::move(session).value());
   if (!id.ok()) {
     Refuse(message, 0, id.status());
@@ -261,7 +266,8 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
                      std::max(1, static_cast<int>(hello.slots())),
                      static_cast<int>(hello.tasks_ahead()),
                      hello.memory_bytes(),
-                     std::move(tags).value()};
+                     std::move(tags).value(),
+                     restarted};
   for (const v1::ArtifactInfo& artifact : hello.artifacts()) {
     const Result<ArtifactInfo> parsed = FromProto(artifact);
     if (parsed.ok()) event.artifacts.push_back(*parsed);
@@ -372,7 +378,7 @@ Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
 Result<v1::Envelope> Coordinator::StatusOf(JobId id) const {
   v1::Envelope answer;
   if (const std::optional<JobSnapshot> job = scheduler_.Job(id)) {
-    *answer.mutable_job_status() = StatusToProto(*job, jobs_.at(id).summary, now_);
+    *answer.mutable_job_status() = FullStatus(*job);
     return answer;
   }
   if (const v1::JobStatus* job = history_.Find(id)) {
@@ -380,6 +386,12 @@ Result<v1::Envelope> Coordinator::StatusOf(JobId id) const {
     return answer;
   }
   return InvalidArgument("there is no job " + std::to_string(id.value()));
+}
+
+v1::JobStatus Coordinator::FullStatus(const JobSnapshot& job) const {
+  v1::JobStatus status = StatusToProto(job, jobs_.at(job.id).summary, now_);
+  if (job.failed_task) AddFailedAttempts(attempts_, *job.failed_task, submitted_.at(job.id), now_, status);
+  return status;
 }
 
 Result<v1::Envelope> Coordinator::ResultsOf(const v1::GetResults& request) const {
@@ -442,7 +454,10 @@ Result<v1::Envelope> Coordinator::Cancel(JobId id) {
 v1::Envelope Coordinator::ListJobs() const {
   v1::Envelope answer;
   v1::JobList* list = answer.mutable_job_list();
-  for (const auto& [id, job] : history_.jobs()) *list->add_jobs() = job;
+  for (const auto& [id, job] : history_.jobs()) {
+    *list->add_jobs() = job;
+    list->mutable_jobs()->rbegin()->clear_failed_attempts();  // all of them are too long for one message
+  }
   for (const JobSnapshot& job : scheduler_.Jobs())
     *list->add_jobs() = StatusToProto(job, jobs_.at(job.id).summary, now_);
   return answer;

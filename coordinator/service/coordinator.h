@@ -34,6 +34,7 @@ struct CoordinatorOptions {
   int max_attempts = 4;          // of one task
   std::string metrics = {};      // HOST:PORT to serve them at; empty: nowhere
   std::string version = {};      // of the program, for the metrics
+  bool duplicates = true;        // tasks that take too long go to a second worker, too
   std::string journal = {};      // file in which jobs outlive the coordinator; empty: they do not
   std::size_t kept_jobs = 1000;  // that ended, for status
 
@@ -86,6 +87,8 @@ class Coordinator {
   [[nodiscard]] Result<v1::Envelope> Submit(const v1::SubmitJob& request);
   [[nodiscard]] Result<v1::Envelope> Retry(JobId id);
   [[nodiscard]] Result<v1::Envelope> StatusOf(JobId id) const;
+  // With the attempts of the task that it failed with.
+  [[nodiscard]] v1::JobStatus FullStatus(const JobSnapshot& job) const;
   [[nodiscard]] Result<v1::Envelope> ResultsOf(const v1::GetResults& request) const;
   [[nodiscard]] Result<v1::Envelope> LogsOf(const v1::GetJobLogs& request) const;
   [[nodiscard]] Result<v1::Envelope> Cancel(JobId id);

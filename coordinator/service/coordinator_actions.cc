@@ -35,6 +35,7 @@ void Coordinator::Do(const Grant& action) {
                                  .worker = action.worker,
                                  .worker_name = worker == nullptr ? "" : worker->name,
                                  .attempt = action.attempt,
+                                 .duplicate = action.duplicate,
                                  .started = now_,
                                  .ended = {},
                                  .outcome = AttemptOutcome::kRunning,
@@ -101,7 +102,7 @@ void Coordinator::Do(const JobEnded& action) {
   ++jobs_ended_[state];
   LogInfo("job_ended",
           {{"job", job.id.value()}, {"state", state}, {"frames", job.frames_done}, {"retries", job.retries}});
-  const v1::JobStatus status = StatusToProto(job, jobs_.at(job.id).summary, now_);
+  const v1::JobStatus status = FullStatus(job);
   const Status written = journal_->End(job.id, job.state, status.SerializeAsString(), job.keeps_results);
   if (!written.ok()) LogError("journal_failed", {{"job", job.id.value()}, {"reason", written.message()}});
   history_.Add(status);

@@ -1,7 +1,9 @@
 #include "coordinator/service/logs_wire.h"
 
 #include <chrono>
+#include <deque>
 #include <optional>
+#include <utility>
 
 #include "common/wire/task_wire.h"
 #include "coordinator/service/task_filter.h"
@@ -11,6 +13,8 @@ namespace {
 
 constexpr int kMostAttempts = 1000;
 constexpr std::size_t kMostBytes = std::size_t{4} << 20;
+constexpr std::size_t kAttemptsOfStatus = 8;
+constexpr std::size_t kLogBytesOfStatus = 2048;  // of each
 
 double Seconds(TimePoint::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -28,6 +32,8 @@ v1::AttemptOutcome ToProto(AttemptOutcome outcome) {
       return v1::ATTEMPT_OUTCOME_GIVEN_BACK;
     case AttemptOutcome::kRevoked:
       return v1::ATTEMPT_OUTCOME_REVOKED;
+    case AttemptOutcome::kOvertaken:
+      return v1::ATTEMPT_OUTCOME_OVERTAKEN;
     case AttemptOutcome::kExpired:
       return v1::ATTEMPT_OUTCOME_EXPIRED;
     case AttemptOutcome::kWorkerLost:
@@ -41,6 +47,7 @@ v1::TaskAttempt ToProto(const AttemptRecord& record, TimePoint submitted, TimePo
   *attempt.mutable_task() = ToProto(record.task);
   attempt.set_worker(record.worker_name);
   attempt.set_attempt(static_cast<std::uint32_t>(record.attempt));
+  attempt.set_duplicate(record.duplicate);
   attempt.set_started_seconds(Seconds(record.started - submitted));
   attempt.set_seconds(Seconds((record.outcome == AttemptOutcome::kRunning ? now : record.ended) - record.started));
   attempt.set_outcome(ToProto(record.outcome));
@@ -72,6 +79,29 @@ Result<v1::JobLogs> LogsToProto(const AttemptRecords& records, const v1::GetJobL
       });
   logs.set_next(last ? last->value() : 0);
   return logs;
+}
+
+void AddFailedAttempts(const AttemptRecords& records, const TaskId& task, TimePoint submitted, TimePoint now,
+                       v1::JobStatus& status) {
+  std::deque<AttemptRecord> last;
+  (void)records.ForEach(
+      task.job, LeaseId(0), [&](const TaskId& other) { return other == task; },
+      [&](const AttemptRecord& record) {
+        if (!record.failed()) return true;
+        last.push_back(record);
+        if (last.size() > kAttemptsOfStatus) last.pop_front();
+        return true;
+      });
+  for (AttemptRecord& record : last) {
+    std::vector<std::string>& lines = record.log.lines;
+    std::size_t bytes = 0;
+    std::size_t kept = 0;
+    while (kept < lines.size() && bytes + lines[lines.size() - 1 - kept].size() <= kLogBytesOfStatus)
+      bytes += lines[lines.size() - 1 - kept++].size();
+    record.log.left_out += lines.size() - kept;
+    lines.erase(lines.begin(), lines.end() - static_cast<std::ptrdiff_t>(kept));
+    *status.add_failed_attempts() = ToProto(record, submitted, now);
+  }
 }
 
 }  // namespace depthfarm

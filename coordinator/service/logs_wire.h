@@ -12,6 +12,10 @@ namespace depthfarm {
 [[nodiscard]] Result<v1::JobLogs> LogsToProto(const AttemptRecords& records, const v1::GetJobLogs& request,
                                               TimePoint submitted, TimePoint now);
 
+// Adds the last failed attempts of a task, with the ends of their logs, so that all together stay below 50 KiB.
+void AddFailedAttempts(const AttemptRecords& records, const TaskId& task, TimePoint submitted, TimePoint now,
+                       v1::JobStatus& status);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_COORDINATOR_SERVICE_LOGS_WIRE_H_

@@ -56,7 +56,12 @@ v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, 
   status.set_elapsed_seconds(Seconds((job.state == JobState::kRunning ? now : job.ended) - job.submitted));
   if (job.seconds_left && job.state == JobState::kRunning) status.set_seconds_left(*job.seconds_left);
   status.set_retries(job.retries);
-  for (const RunningTask& task : job.running) status.add_running(NameWithinJob(task.task) + " on " + task.worker_name);
+  status.set_duplicates(job.duplicates);
+  status.set_duplicates_won(job.duplicates_won);
+  if (job.failed_task) *status.mutable_failed_task() = ToProto(*job.failed_task);
+  for (const RunningTask& task : job.running) {
+    status.add_running(NameWithinJob(task.task) + " on " + task.worker_name + (task.duplicate ? " (duplicate)" : ""));
+  }
   status.set_output_dir(job.output_dir);
   status.set_keeps_results(job.keeps_results);
   status.set_summary(summary);

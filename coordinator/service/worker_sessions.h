@@ -19,6 +19,7 @@ struct WorkerSession {
   std::string name;
   std::string software_version;
   ArtifactLocation artifacts;
+  std::uint64_t process = 0;  // 0: not told
 };
 
 // The workers of the farm by id, by peer and by name.

@@ -3,7 +3,9 @@
 #include <array>
 #include <cstddef>
 
+#include "common/digest/sha256.h"
 #include "common/wire/job_wire.h"
+#include "common/wire/render_wire.h"
 #include "common/wire/sequence_wire.h"
 
 namespace depthfarm::simulation {
@@ -51,9 +53,35 @@ Sequence MakeSequence(const JobKind& kind, const Shape& shape) {
   return sequence;
 }
 
+// Of some parts, the last one short.
+v1::SubmitJob Rendering(const JobKind& kind) {
+  v1::SubmitJob submission;
+  submission.mutable_sequence()->set_name(kind.sequence);
+  submission.mutable_sequence()->set_file("/in/sequence.json");
+  *submission.mutable_render()->mutable_source() =
+      ToProto(RenderSource{"/in/" + kind.pictures, Sha256("depth of " + kind.pictures)});
+  for (int number = 0; number < 8 * kind.shape + 3; ++number) {
+    VirtualPicture view;
+    view.camera.name = "virtual";
+    view.camera.width = 64;
+    view.camera.height = 48;
+    view.camera.intrinsics << 60, 0, 31.5, 0, 60, 23.5, 0, 0, 1;
+    view.sources = {"cam0", "cam1"};
+    view.number = number;
+    *submission.mutable_render()->add_views() = ToProto(view);
+  }
+  return submission;
+}
+
 }  // namespace
 
 v1::SubmitJob Submission(const JobKind& kind, const std::string& name, const std::string& output_dir) {
+  if (kind.renders) {
+    v1::SubmitJob submission = Rendering(kind);
+    submission.set_name(name);
+    submission.set_output_dir(output_dir);
+    return submission;
+  }
   const Shape& shape = kShapes.at(static_cast<std::size_t>(kind.shape));
   EstimationParams params;
   params.gop = shape.gop;

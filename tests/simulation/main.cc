@@ -37,6 +37,8 @@ void Print(const simulation::Tally& tally) {
   line("late results", tally.late_results);
   line("tasks asked back", tally.asked_back);
   line("  given back", tally.given_back);
+  line("tasks duplicated", tally.duplicates);
+  line("  with success", tally.duplicates_won);
   line("worker crashes", tally.worker_crashes);
   line("standstills", tally.standstills);
   line("network cuts", tally.cuts);

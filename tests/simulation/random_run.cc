@@ -23,6 +23,11 @@ Wish AnyWish(test::Random& random, bool patient) {
   wish.kind.shape = random.Int(0, kNumShapes - 1);
   wish.kind.pictures = random.Chance(50) ? "a" : "b";
   wish.kind.keeps_results = random.Chance(25);
+  if (random.Chance(15)) {  // most has gone wrong in what these two have in common
+    wish.kind.shape = kSharedShape;
+    wish.kind.keeps_results = true;
+  }
+  wish.kind.renders = !wish.kind.keeps_results && random.Chance(15);
   if (!patient && random.Chance(6)) wish.kind.sequence = "poison";
   if (random.Chance(4)) wish.kind.sequence = "unreadable";
   if (wish.kind.sequence != "line") wish.kind.pictures = wish.kind.sequence;  // nobody else has made anything of them
@@ -34,7 +39,9 @@ Wish AnyWish(test::Random& random, bool patient) {
 }
 
 void RemoveFolders(const SimulatedFarm& farm) {
-  for (const auto& [name, submitter] : farm.submitters()) std::filesystem::remove_all(submitter->folder());
+  for (const auto& [name, submitter] : farm.submitters()) {
+    for (const bool renders : {false, true}) std::filesystem::remove_all(submitter->FolderOf({.renders = renders}));
+  }
 }
 
 constexpr std::uint64_t kFairRuns = 20;     // each of so many seeds

@@ -2,54 +2,22 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <set>
-#include <sstream>
-#include <stdexcept>
 #include <utility>
 
-#include "common/digest/sha256.h"
-#include "common/wire/digest_wire.h"
 #include "common/wire/envelope.h"
-#include "common/wire/task_wire.h"
 
 namespace depthfarm::simulation {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr Milliseconds kTick{200};
 constexpr Milliseconds kSettle{120'000};
 // After the last fault: one worker may have a dozen jobs of long tasks to do.
 constexpr std::chrono::hours kPatience{4};
 constexpr const char* kCoordinator = "coordinator";
-constexpr int kPatientAttempts = 50;  // so many failures of one task do not come by chance
 
 std::string HostOf(const std::string& peer) { return peer.substr(0, peer.find('#')); }
 
 }  // namespace
-
-void Tally::Add(const Tally& other) {
-  runs += other.runs;
-  attempts += other.attempts;
-  messages += other.messages;
-  messages_lost += other.messages_lost;
-  worker_crashes += other.worker_crashes;
-  standstills += other.standstills;
-  cuts += other.cuts;
-  store_losses += other.store_losses;
-  coordinator_crashes += other.coordinator_crashes;
-  torn_writes += other.torn_writes;
-  late_results += other.late_results;
-  asked_back += other.asked_back;
-  given_back += other.given_back;
-  jobs_done += other.jobs_done;
-  jobs_ended_otherwise += other.jobs_ended_otherwise;
-  hours += other.hours;
-  longest_end = std::max(longest_end, other.longest_end);
-}
 
 SimulatedFarm::SimulatedFarm(std::uint64_t seed, const Options& options)
     : options_(options),
@@ -75,7 +43,8 @@ SimulatedFarm::SimulatedFarm(std::uint64_t seed, const Options& options)
                 return worker == workers_.end() ? nullptr : worker->get();
               },
               .begun = [this](const SimulatedWorker& worker, LeaseId lease,
-                              const TaskSpec& spec) { OnBegun(worker, lease, spec); }},
+                              const TaskSpec& spec) { OnBegun(worker, lease, spec); },
+              .poisoned = [this](const TaskId& task) { ++deaths_[task]; }},
       disk_(seed) {
   for (const WorkerShape& shape : options.workers) {
     const std::string name = "w" + std::to_string(workers_.size() + 1);
@@ -105,6 +74,7 @@ void SimulatedFarm::StartCoordinator() {
       Journal::Open("journal", {.kept_jobs = options_.coordinator.kept_jobs, .vfs = disk_.vfs()});
   Status started = journal.status();
   if (journal.ok()) {
+    CheckJournal(**journal);
     coordinator_ = std::make_unique<Coordinator>(options_.coordinator, coordinators_ * kLeasesOfCoordinator + 1,
                                                  std::move(journal).value(), false);
     started = coordinator_->Restore(events_.now());
@@ -125,7 +95,13 @@ void SimulatedFarm::StartCoordinator() {
 void SimulatedFarm::CrashCoordinator(SimulatedDisk::Loss loss) {
   ++tally_.coordinator_crashes;
   Narrate("the coordinator crashes");
-  if (coordinator_) tally_.late_results += coordinator_->scheduler().late_results();
+  written_.clear();
+  if (coordinator_) {
+    tally_.late_results += coordinator_->scheduler().late_results();
+    CheckAttempts(false);
+    // What it was writing when it ended, or did not sync before the power failed, may not be there.
+    if (disk_.dead() || loss == SimulatedDisk::Loss::kPower) written_.clear();
+  }
   disk_.Die();
   coordinator_.reset();
   disk_.Restart(loss);
@@ -155,6 +131,10 @@ void SimulatedFarm::Deliver() {
   }
   for (OutgoingMessage& message : coordinator_->TakeOutgoing()) {
     tally_.asked_back += message.envelope.has_give_back_task() ? 1 : 0;
+    if (message.envelope.has_grant_task()) {
+      const LeaseId lease(message.envelope.grant_task().lease_id());
+      if (coordinator_->scheduler().IsDuplicate(lease)) duplicates_.insert(lease);
+    }
     const std::string payload = SerializeEnvelope(std::move(message.envelope));
     const std::string host = HostOf(message.peer);
     Trace(host, payload);
@@ -313,12 +293,14 @@ void SimulatedFarm::Run() {
   if (problems_.empty() && !coordinator_) Problem("the coordinator is gone");
   if (problems_.empty()) {
     CheckJobList();
-    CheckAttempts();
+    CheckAttempts(true);
     for (const auto& [name, submitter] : submitters_) {
-      // The last that has the folder.
-      const auto last = std::ranges::find_if(submitter->ends().rbegin(), submitter->ends().rend(),
-                                             [](const JobEnd& job) { return !job.wish.kind.keeps_results; });
-      if (last != submitter->ends().rend()) CheckFolder(*submitter, *last, true);
+      for (const bool renders : {false, true}) {  // the last that has each folder
+        const auto last = std::ranges::find_if(
+            submitter->ends().rbegin(), submitter->ends().rend(),
+            [&](const auto& job) { return !job.wish.kind.keeps_results && job.wish.kind.renders == renders; });
+        if (last != submitter->ends().rend()) CheckFolder(*submitter, *last, true);
+      }
     }
   }
   if (problems_.empty()) CheckNothingIsLeft();
@@ -332,214 +314,11 @@ Tally SimulatedFarm::tally() const {
     tally.attempts += worker->tasks_begun();
     tally.given_back += worker->tasks_given_back();
   }
+  tally.duplicates = duplicates_.size();
   tally.messages = network_.num_sent();
   tally.messages_lost = network_.num_lost();
   if (coordinator_) tally.late_results += coordinator_->scheduler().late_results();
   return tally;
-}
-
-// ---- what must hold ----
-
-void SimulatedFarm::Problem(const std::string& text) {
-  const auto ms = std::chrono::duration_cast<Milliseconds>(events_.now().time_since_epoch()).count();
-  problems_.push_back("at " + std::to_string(ms) + " ms: " + text);
-}
-
-void SimulatedFarm::OnBegun(const SimulatedWorker& worker, LeaseId lease, const TaskSpec& spec) {
-  first_tasks_.try_emplace(spec.id.job, events_.now());
-  // That a lease is one worker's rests on the order that a connection keeps (PROTOCOL.md, 4).
-  if (options_.faults.network.reorders) return;
-  for (const auto& other : workers_) {
-    if (other->BelievesIn(spec.id, lease)) {
-      Problem(TaskName(spec.id) + " is " + worker.name() + "'s and " + other->name() + "'s at the same time");
-    }
-  }
-}
-
-void SimulatedFarm::OnEnd(const Submitter& submitter, const JobEnd& end) {
-  const std::string name = submitter.name() + ", job " + std::to_string(end.id);
-  const v1::JobStatus& status = end.status;
-  if (status.determinism_violations() > 0) Problem(name + ": determinism was violated");
-  if (status.state() == v1::JOB_STATE_DONE) {
-    ++tally_.jobs_done;
-    if (status.frames_done() != status.frames_total()) Problem(name + ": is done without all of its frames");
-    if (end.cancelled && !end.retried) Problem(name + ": was cancelled, and is done");
-    if (end.wish.kind.sequence != "line") Problem(name + ": can't be done, and is");
-  } else {
-    ++tally_.jobs_ended_otherwise;
-    const bool patient = options_.coordinator.max_attempts >= kPatientAttempts;
-    if (status.state() == v1::JOB_STATE_FAILED && patient && end.wish.kind.sequence == "line")
-      Problem(name + ": failed: " + status.error().message());
-    if (status.state() == v1::JOB_STATE_CANCELLED && !end.wish.cancel_after) Problem(name + ": nobody cancelled it");
-    if (status.state() == v1::JOB_STATE_FAILED && status.error().message().empty())
-      Problem(name + ": failed without a reason");
-  }
-  if (!calm_) ended_in_chaos_.insert(end.id);
-  CheckFolder(submitter, end, false);
-}
-
-void SimulatedFarm::CheckFolder(const Submitter& submitter, const JobEnd& end, bool last_look) {
-  const std::string name = submitter.name() + ", job " + std::to_string(end.id) + (last_look ? ", at last" : "");
-  if (end.wish.kind.keeps_results || !options_.checks_files) return;  // results: CheckJobList
-  const FolderContent content = ReadFolder(submitter.folder());
-  const FolderContent& expected = ExpectedFiles(end.wish.kind, options_.scratch);
-  if (end.status.state() == v1::JOB_STATE_DONE) {
-    for (const auto& [path, bytes] : content) {
-      if (!expected.contains(path)) Problem(name + ": " + path + " should not be there");
-    }
-    for (const auto& [path, bytes] : expected) {
-      const auto found = content.find(path);
-      if (found == content.end()) {
-        Problem(name + ": " + path + " is missing");
-      } else if (found->second != bytes) {
-        Problem(name + ": " + path + " is not what it should be");
-      }
-    }
-    return;
-  }
-  // Files of one job alone: of this one, in part, or of one before.
-  std::set<std::string> files;
-  for (const auto& [path, bytes] : content) {
-    // A Cleanup that no worker could do in time is not waited for.
-    if (path.starts_with(".depthfarm-staging/") && last_look &&
-        (!ended_in_chaos_.contains(end.id) || cleaned_up_.contains(end.id)))
-      Problem(name + ": " + path + " was left behind");
-    if (!path.starts_with(".")) files.insert(path);
-  }
-  const bool finished = content.contains("depth.json");
-  const auto all_of = [&](const FolderContent& whole) {
-    return (!finished || files.size() == whole.size()) && std::ranges::all_of(files, [&](const std::string& path) {
-             const auto found = whole.find(path);
-             return found != whole.end() && found->second == content.at(path);
-           });
-  };
-  bool known = all_of(expected);
-  for (const JobEnd& before : submitter.ends())
-    known = known || all_of(ExpectedFiles(before.wish.kind, options_.scratch));
-  if (!known) Problem(name + ": its folder holds what no job made");
-}
-
-namespace {
-
-// Asks the coordinator, without a network.
-v1::Envelope Call(Coordinator& coordinator, v1::Envelope request, TimePoint now) {
-  request.set_request_id(1);
-  (void)coordinator.TakeOutgoing();
-  coordinator.Handle({"checks", "", SerializeEnvelope(std::move(request))}, now);
-  std::vector<OutgoingMessage> answers = coordinator.TakeOutgoing();
-  return answers.empty() ? v1::Envelope() : std::move(answers.front().envelope);
-}
-
-}  // namespace
-
-void SimulatedFarm::CheckJobList() {
-  v1::Envelope request;
-  request.mutable_list_jobs();
-  const v1::Envelope list = Call(*coordinator_, request, events_.now());
-  std::map<std::uint64_t, v1::JobStatus> jobs;
-  for (const v1::JobStatus& job : list.job_list().jobs()) jobs[job.job_id()] = job;
-  for (const auto& [name, submitter] : submitters_) {
-    for (const JobEnd& end : submitter->ends()) {
-      const std::string job = name + ", job " + std::to_string(end.id);
-      const auto listed = jobs.find(end.id);
-      if (listed == jobs.end()) {
-        Problem(job + ": was forgotten");
-      } else if (listed->second.state() != end.status.state()) {
-        Problem(job + ": ended in one way and is listed in another");
-      }
-      if (!options_.checks_files || !end.wish.kind.keeps_results || end.status.state() != v1::JOB_STATE_DONE) continue;
-      JobKind with_folder = end.wish.kind;
-      with_folder.keeps_results = false;
-      std::set<std::string> wanted;
-      for (const auto& [path, bytes] : ExpectedFiles(with_folder, options_.scratch)) {
-        if (path.starts_with("depth/") || path.starts_with("confidence/")) wanted.insert(DigestBytes(Sha256(bytes)));
-      }
-      v1::Envelope ask;
-      ask.mutable_get_results()->set_job_id(end.id);
-      const v1::Envelope results = Call(*coordinator_, ask, events_.now());
-      std::set<std::string> there;
-      for (const v1::FrameResult& frame : results.results().frames()) {
-        for (const v1::FileDigest& file : frame.files()) there.insert(file.sha256());
-      }
-      if (there != wanted) Problem(job + ": its results are not what they should be");
-    }
-  }
-}
-
-void SimulatedFarm::CheckAttempts() {
-  v1::Envelope request;
-  request.mutable_list_jobs();
-  const v1::Envelope list = Call(*coordinator_, request, events_.now());
-  for (const v1::JobStatus& job : list.job_list().jobs()) {
-    const std::string name = "job " + std::to_string(job.job_id());
-    if (job.state() == v1::JOB_STATE_RUNNING) Problem(name + ": is still running");
-    std::set<std::pair<int, int>> committed;
-    for (std::uint64_t after = 0;;) {
-      v1::Envelope ask;
-      ask.mutable_get_job_logs()->set_job_id(job.job_id());
-      ask.mutable_get_job_logs()->set_after(after);
-      const v1::Envelope logs = Call(*coordinator_, ask, events_.now());
-      for (const v1::TaskAttempt& attempt : logs.job_logs().attempts()) {
-        const TaskId task = FromProto(attempt.task()).value();
-        if (attempt.outcome() == v1::ATTEMPT_OUTCOME_RUNNING) Problem(TaskName(task) + ": is never over");
-        if (static_cast<int>(attempt.attempt()) > options_.coordinator.max_attempts)
-          Problem(TaskName(task) + ": was tried too often");
-        if (task.kind == TaskKind::kCleanup && attempt.outcome() == v1::ATTEMPT_OUTCOME_DONE)
-          cleaned_up_.insert(job.job_id());
-        const bool once = task.kind == TaskKind::kCommit || task.kind == TaskKind::kManifest;
-        if (attempt.outcome() != v1::ATTEMPT_OUTCOME_DONE || !once) continue;
-        if (!committed.emplace(static_cast<int>(task.kind), task.frame).second)
-          Problem(TaskName(task) + ": was done twice");
-      }
-      after = logs.job_logs().next();
-      if (after == 0) break;
-    }
-  }
-}
-
-void SimulatedFarm::CheckNothingIsLeft() {
-  restarting_ = false;
-  for (const auto& worker : workers_) worker->Stop();
-  const TimePoint end = events_.now() + 4 * Lease();
-  while (events_.RunNext(end)) {
-  }
-  if (!coordinator_->scheduler().empty()) Problem("the coordinator keeps something of a farm that is no more");
-}
-
-FolderContent ReadFolder(const std::string& folder) {
-  FolderContent content;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, error)) {
-    if (entry.is_directory() && fs::is_empty(entry.path())) content[fs::relative(entry.path(), folder).string() + "/"];
-    if (!entry.is_regular_file()) continue;
-    std::ifstream stream(entry.path(), std::ios::binary);
-    std::ostringstream bytes;
-    bytes << stream.rdbuf();
-    content[fs::relative(entry.path(), folder).string()] = bytes.str();
-  }
-  return content;
-}
-
-const FolderContent& ExpectedFiles(const JobKind& kind, const std::string& scratch) {
-  static std::map<JobKind, FolderContent> known;
-  if (kind.sequence != "line") {
-    static const FolderContent nothing;
-    return nothing;
-  }
-  const auto found = known.find(kind);
-  if (found != known.end()) return found->second;
-  SimulatedFarm::Options options;
-  options.scratch = scratch + "/expected";
-  fs::remove_all(options.scratch);
-  options.workers.resize(1);
-  options.checks_files = false;
-  SimulatedFarm farm(1, options);
-  farm.AddSubmitter("only", {Wish{kind}}, Milliseconds(0));
-  farm.Run();
-  if (!farm.problems().empty()) throw std::logic_error("without faults: " + farm.problems().front());
-  known[kind] = ReadFolder(options.scratch + "/only");
-  fs::remove_all(options.scratch);
-  return known[kind];
 }
 
 }  // namespace depthfarm::simulation

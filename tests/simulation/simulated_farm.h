@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coordinator/service/coordinator.h"
@@ -16,32 +17,10 @@
 #include "tests/simulation/simulated_disk.h"
 #include "tests/simulation/simulated_worker.h"
 #include "tests/simulation/submitter.h"
+#include "tests/simulation/tally.h"
 #include "tests/support/random.h"
 
 namespace depthfarm::simulation {
-
-// What was counted in one run or several.
-struct Tally {
-  std::uint64_t runs = 0;
-  std::uint64_t attempts = 0;  // of tasks, begun
-  std::uint64_t messages = 0;
-  std::uint64_t messages_lost = 0;
-  std::uint64_t worker_crashes = 0;
-  std::uint64_t standstills = 0;
-  std::uint64_t cuts = 0;
-  std::uint64_t store_losses = 0;
-  std::uint64_t coordinator_crashes = 0;  // of which some
-  std::uint64_t torn_writes = 0;          // in a write of the journal
-  std::uint64_t late_results = 0;
-  std::uint64_t asked_back = 0;  // tasks that wait behind the slots of a worker
-  std::uint64_t given_back = 0;  // of these
-  std::uint64_t jobs_done = 0;
-  std::uint64_t jobs_ended_otherwise = 0;
-  double hours = 0;        // of the farm's time
-  double longest_end = 0;  // minutes from the last fault to the end of the last job
-
-  void Add(const Tally& other);
-};
 
 // A farm and those who use it, on one clock, from one seed: the real coordinator with its journal, the real lifecycle,
 // wire messages and output folder of workers; network, disk of the journal, computing and stores are simulated.
@@ -99,10 +78,15 @@ class SimulatedFarm {
   [[nodiscard]] SimulatedWorker& AnyWorker();
   [[nodiscard]] Milliseconds Lease() const { return options_.coordinator.lease; }
 
+  // farm_checks.cc: what must hold.
   void OnBegun(const SimulatedWorker& worker, LeaseId lease, const TaskSpec& spec);
   void OnEnd(const Submitter& submitter, const JobEnd& end);
   void CheckFolder(const Submitter& submitter, const JobEnd& end, bool last_look);
-  void CheckAttempts();
+  // Of this life of the coordinator, which ends; `last`: when all is over.
+  void CheckAttempts(bool last);
+  void CheckAttemptsOf(const v1::JobStatus& job, bool last);
+  // At the beginning of a life: that all is there that the one before wrote.
+  void CheckJournal(const Journal& journal);
   void CheckJobList();
   void CheckNothingIsLeft();
   void Problem(const std::string& text);
@@ -121,6 +105,11 @@ class SimulatedFarm {
   std::vector<std::unique_ptr<SimulatedWorker>> workers_;
   std::map<std::string, std::unique_ptr<Submitter>> submitters_;
   std::map<JobId, TimePoint> first_tasks_;
+  std::set<LeaseId> duplicates_;  // that the coordinator said to be such
+  std::map<TaskId, int> deaths_;  // of workers, by poisonous tasks
+  using JobAndFrame = std::pair<std::uint64_t, int>;
+  std::set<JobAndFrame> remembered_;        // frames that the journal had when the coordinator began
+  std::set<JobAndFrame> written_;           // that the life before must have written
   std::set<std::uint64_t> ended_in_chaos_;  // jobs
   std::set<std::uint64_t> cleaned_up_;      // jobs whose Cleanup was done
   std::vector<std::string> problems_;

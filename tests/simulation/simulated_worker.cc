@@ -11,8 +11,10 @@
 #include "common/job/job_manifest.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
+#include "coordinator/planning/job_plan.h"
 #include "tests/simulation/task_model.h"
 #include "worker/execution/output_folder.h"
+#include "worker/execution/views_manifest.h"
 
 namespace depthfarm::simulation {
 namespace {
@@ -217,7 +219,14 @@ void SimulatedWorker::Carry(const LifecycleAction& wanted) {
     dropped_.clear();
     std::vector<ArtifactInfo> held;
     for (const auto& [key, stored] : store_) held.push_back(stored.info);
-    const WorkerIdentity identity{name_, "simulated", 0, shape_.slots, shape_.ahead, shape_.tags, {endpoint(), ""}};
+    const WorkerIdentity identity{name_,
+                                  "simulated",
+                                  0,
+                                  shape_.slots,
+                                  shape_.ahead,
+                                  shape_.tags,
+                                  {endpoint(), ""},
+                                  static_cast<std::uint64_t>(life_)};
     Send(HelloMessage(identity, held, hello->running));
   } else if (const auto* ask = std::get_if<action::SendAsk>(&wanted)) {
     Send(AskMessage(ask->ask_id, ask->running));
@@ -245,11 +254,13 @@ SimulatedWorker::Tasks::iterator SimulatedWorker::Find(LeaseId lease) {
   return std::ranges::find_if(tasks_, [lease](const Running& task) { return task.lease == lease; });
 }
 
-bool SimulatedWorker::BelievesIn(const TaskId& task, LeaseId lease) const {
-  return alive() && !hung() && std::ranges::any_of(tasks_, [&](const Running& running) {
-           return running.spec.id == task && !running.stopping && running.lease != lease &&
-                  running.lease.value() / kLeasesOfCoordinator == lease.value() / kLeasesOfCoordinator;
-         });
+std::optional<LeaseId> SimulatedWorker::BelievesIn(const TaskId& task, LeaseId lease) const {
+  if (!alive() || hung()) return std::nullopt;
+  const auto other = std::ranges::find_if(tasks_, [&](const Running& running) {
+    return running.spec.id == task && !running.stopping && running.lease != lease &&
+           running.lease.value() / kLeasesOfCoordinator == lease.value() / kLeasesOfCoordinator;
+  });
+  return other == tasks_.end() ? std::nullopt : std::optional(other->lease);
 }
 
 // ---- tasks ----
@@ -259,6 +270,7 @@ void SimulatedWorker::BeginTasks() {
     if (std::ranges::count_if(tasks_, &Running::computing) >= shape_.slots) return;
     if (task.computing || task.stopping) continue;
     task.computing = true;
+    task.begun = around_.events.now();
     const std::optional<TimePoint> expiry = lifecycle_->ExpiryOf(task.lease);
     if (!expiry || *expiry <= around_.events.now()) {
       TaskOutcome outcome;
@@ -309,12 +321,14 @@ void SimulatedWorker::Compute(LeaseId lease) {
   const auto task = Find(lease);
   if (task == tasks_.end()) return;
   const TaskId& id = task->spec.id;
-  const bool poison = task->config->sequence_name == kPoison && id.kind == TaskKind::kEstimate;
+  const bool poison =
+      task->config->sequence_name == kPoison && (id.kind == TaskKind::kEstimate || id.kind == TaskKind::kRender);
+  if (poison) around_.poisoned(id);
   if (poison || around_.random.Chance(around_.faults.runs_out_of_memory)) {
     Crash();
     return;
   }
-  if (id.kind == TaskKind::kEmit && !task->config->keeps_results) (void)StageFiles(*task, 1);
+  if (MakesFiles(id.kind) && !task->config->keeps_results) (void)StageFiles(*task, 1);
   After(Slowly(10, 1000 * shape_.task_length), Thread::kCompute, [this, lease] { FinishTask(lease); });
 }
 
@@ -326,12 +340,14 @@ void SimulatedWorker::FinishTask(LeaseId lease) {
 TaskOutcome SimulatedWorker::Execute(const Running& task) {
   TaskOutcome outcome;
   const TaskSpec& spec = task.spec;
-  outcome.stats.wall_seconds = outcome.stats.cpu_seconds = 1;
+  outcome.stats.wall_seconds = outcome.stats.cpu_seconds =
+      std::chrono::duration<double>(around_.events.now() - task.begun).count();
   if (around_.random.Chance(around_.faults.fails)) {
     outcome.status = Internal("by chance");
     return outcome;
   }
-  if (spec.id.kind == TaskKind::kAnalyse && task.config->sequence_name == kUnreadable) {
+  const bool reads_pictures = spec.id.kind == TaskKind::kAnalyse || spec.id.kind == TaskKind::kRender;
+  if (reads_pictures && task.config->sequence_name == kUnreadable) {
     outcome.status = InvalidArgument(spec.picture + ": is no picture");
     return outcome;
   }
@@ -342,7 +358,7 @@ TaskOutcome SimulatedWorker::Execute(const Running& task) {
     outcome.picture_digest = PictureDigestOf(spec);
     if (spec.known && spec.known->artifact.key == *key) (void)Fetch(*spec.known);
   }
-  if (spec.id.kind == TaskKind::kEmit) outcome.files = Describe(FilesOf(spec, *task.config));
+  if (MakesFiles(spec.id.kind)) outcome.files = Describe(FilesOf(spec, *task.config));
   if (key) {
     if (const Stored* stored = Read(*key)) {
       outcome.artifact = stored->info;
@@ -366,7 +382,8 @@ Result<OutputFolder> SimulatedWorker::FolderOf(const Running& task) const {
     const std::optional<TimePoint> expiry = lifecycle_->ExpiryOf(lease);
     return expiry && around_.events.now() < *expiry;
   };
-  return OutputFolder::At(task.config->output_dir, OutputContent::kDepth, {task.config->claim, still_leased});
+  return OutputFolder::At(task.config->output_dir, task.config->render ? OutputContent::kViews : OutputContent::kDepth,
+                          {task.config->claim, still_leased});
 }
 
 Status SimulatedWorker::StageFiles(const Running& task, std::size_t count) const {
@@ -383,10 +400,15 @@ Status SimulatedWorker::WorkInFolder(const Running& task, TaskOutcome& outcome) 
     case TaskKind::kPrepare:
       return spec.files.empty() ? folder.Prepare() : folder.Resume(spec.files);
     case TaskKind::kEmit:
+    case TaskKind::kRender:
       return StageFiles(task, outcome.files.size());
     case TaskKind::kCommit:
       return folder.Commit(spec.staging, spec.files);
     case TaskKind::kManifest: {
+      if (task.config->render) {
+        DEPTHFARM_ASSIGN_OR_RETURN(const std::string text, FormatViewsManifest(*task.config, spec.views, spec.files));
+        return folder.Finish(text);
+      }
       DEPTHFARM_ASSIGN_OR_RETURN(const DepthManifest manifest,
                                  ManifestOf(*task.config, spec.files, spec.picture_digests));
       DEPTHFARM_ASSIGN_OR_RETURN(const std::string text, FormatDepthManifest(manifest));

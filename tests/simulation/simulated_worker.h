@@ -54,6 +54,8 @@ struct Surroundings {
   std::function<const SimulatedWorker*(const std::string& endpoint)> find;
   // A task was begun.
   std::function<void(const SimulatedWorker& worker, LeaseId lease, const TaskSpec& spec)> begun;
+  // A poisonous task killed the worker.
+  std::function<void(const TaskId& task)> poisoned;
 };
 
 // A worker process: the real lifecycle, messages and output folder; computing, store and transfer are made up. It can
@@ -82,8 +84,8 @@ class SimulatedWorker {
   [[nodiscard]] const std::string& peer() const { return peer_; }
   [[nodiscard]] bool alive() const { return lifecycle_ != nullptr; }
   [[nodiscard]] bool hung() const { return hung_until_.has_value(); }
-  // Whether it believes to have the task under another lease of the coordinator that granted this one.
-  [[nodiscard]] bool BelievesIn(const TaskId& task, LeaseId lease) const;
+  // The lease, other than this one and of the coordinator that granted it, under which it believes to have the task.
+  [[nodiscard]] std::optional<LeaseId> BelievesIn(const TaskId& task, LeaseId lease) const;
   // What its artifact server sends; nothing when it can't.
   [[nodiscard]] std::optional<ContentDigest> Serve(const ArtifactKey& key) const;
   [[nodiscard]] std::string endpoint() const;
@@ -103,6 +105,7 @@ class SimulatedWorker {
     TaskSpec spec;
     std::shared_ptr<const JobConfig> config;
     bool computing = false;
+    TimePoint begun = {};
     bool stopping = false;
   };
   using Tasks = std::list<Running>;

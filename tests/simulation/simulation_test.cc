@@ -38,6 +38,8 @@ TEST_P(FarmWithFaults, EndsEveryJobWithTheRightBytesAndKeepsNothing) {
   EXPECT_GT(tally.worker_crashes, kSeedsOfATest / 2);
   EXPECT_GT(tally.late_results, kSeedsOfATest / 10);
   EXPECT_GT(tally.given_back, kSeedsOfATest / 10);
+  EXPECT_GT(tally.duplicates, kSeedsOfATest / 10);
+  EXPECT_GT(tally.duplicates_won, kSeedsOfATest / 50);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, FarmWithFaults, ::testing::Range(0, 8));

@@ -35,7 +35,7 @@ void Submitter::Ask() {
   switch (step_) {
     case Step::kSubmit: {
       v1::SubmitJob& submission = *envelope.mutable_submit_job();
-      submission = Submission(wish().kind, JobName(), folder_);
+      submission = Submission(wish().kind, JobName(), FolderOf(wish().kind));
       submission.set_priority(wish().priority);
       for (const std::string& tag : wish().tags) submission.add_required_tags(tag);
       step_ = Step::kFind;  // unless it is answered

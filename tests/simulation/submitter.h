@@ -33,7 +33,8 @@ struct JobEnd {
   v1::JobStatus status;
 };
 
-// Somebody who submits one job after the other to one folder and waits for each. What is not answered is asked again.
+// Somebody who submits one job after the other, to one folder for depth and one for views, and waits for each. What is
+// not answered is asked again.
 class Submitter {
  public:
   // `send`: to the coordinator. `ended`: a job is over, and the next one not submitted yet.
@@ -44,7 +45,8 @@ class Submitter {
   void Receive(const std::string& payload);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] const std::string& folder() const { return folder_; }
+  // Where jobs of such a kind write: views are not among depth.
+  [[nodiscard]] std::string FolderOf(const JobKind& kind) const { return folder_ + (kind.renders ? ".views" : ""); }
   [[nodiscard]] bool done() const { return ends_.size() == wishes_.size(); }
   [[nodiscard]] const std::vector<JobEnd>& ends() const { return ends_; }
 

@@ -48,6 +48,12 @@ ArtifactInfo ArtifactOf(const TaskSpec& spec, const ArtifactKey& key) {
 
 std::vector<MadeFile> FilesOf(const TaskSpec& spec, const JobConfig& config) {
   std::vector<MadeFile> files;
+  for (const VirtualPicture& view : spec.views) {
+    std::string path = ViewFileName(view.number);
+    const std::string content = Hex(Bytes(Sha256(path + ' ' + Bytes(config.render->manifest_sha256))));
+    files.push_back({std::move(path), content});
+  }
+  if (config.render) return files;
   for (std::string& path : FilesOfFrame(config.resolved, spec.id.frame)) {
     const std::string content = Hex(Bytes(Sha256(path + ' ' + Read(spec))));
     files.push_back({std::move(path), content});

@@ -18,7 +18,7 @@ namespace depthfarm::simulation {
 // The artifact of a task of a kind that makes one.
 [[nodiscard]] ArtifactInfo ArtifactOf(const TaskSpec& spec, const ArtifactKey& key);
 
-// A file that Emit writes.
+// A file that Emit or Render writes.
 struct MadeFile {
   std::string path;
   std::string bytes;

@@ -11,6 +11,7 @@ v1::Envelope HelloMessage(const WorkerIdentity& identity, const std::vector<Arti
   hello.set_name(identity.name);
   hello.set_algorithm_version(kAlgorithmVersion);
   hello.set_software_version(identity.software_version);
+  hello.set_process(identity.process);
   hello.set_memory_bytes(identity.memory_bytes);
   for (const std::string& tag : identity.tags) hello.add_tags(tag);
   hello.set_slots(static_cast<std::uint32_t>(identity.slots));

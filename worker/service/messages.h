@@ -21,6 +21,7 @@ struct WorkerIdentity {
   int ahead = 0;
   std::vector<std::string> tags;
   ArtifactLocation artifacts;  // where its artifact server can be reached
+  std::uint64_t process = 0;   // that no other process of this name has
 };
 
 // Worker -> coordinator.

@@ -59,6 +59,7 @@ Status WorkerService::Open() {
   DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(coordinator, keys.has_value(), options_.insecure));
   const std::string unique = UniqueName();
   identity_.name = options_.name.empty() ? HostName() + ":" + unique : options_.name;
+  identity_.process = (std::uint64_t{std::random_device()()} << 32U) | std::random_device()() | 1U;
   identity_.software_version = options_.software_version;
   identity_.memory_bytes =
       options_.task_memory_bytes > 0 ? options_.task_memory_bytes : TaskMemory(MachineMemory(), options_.memory_bytes);

@@ -84,6 +84,42 @@ TEST(FormatJob, TellsStagesAndReason) {
                     HasSubstr("10/10"), HasSubstr("12.5 s"), HasSubstr("300 MiB"), HasSubstr("/data/out")));
 }
 
+TEST(FormatJob, NamesTheTaskThatFailedItAndHow) {
+  v1::JobStatus job = SomeJob();
+  EXPECT_THAT(FormatJob(job), Not(HasSubstr("quarantined")));
+  job.set_state(v1::JOB_STATE_FAILED);
+  job.mutable_failed_task()->set_job_id(3);
+  job.mutable_failed_task()->set_frame(1);
+  job.mutable_failed_task()->set_kind(v1::TASK_KIND_ESTIMATE);
+  v1::TaskAttempt& attempt = *job.add_failed_attempts();
+  *attempt.mutable_task() = job.failed_task();
+  attempt.set_worker("w7");
+  attempt.set_attempt(2);
+  attempt.set_seconds(3);
+  attempt.set_outcome(v1::ATTEMPT_OUTCOME_WORKER_LOST);
+  attempt.mutable_error()->set_code(v1::CODE_UNAVAILABLE);
+  attempt.mutable_error()->set_message("w7: the worker was lost");
+  attempt.mutable_log()->add_lines("warning low_memory");
+  EXPECT_THAT(FormatJob(job), HasSubstr("  quarantined: frame 1 estimate block 0; retry begins it anew\n"
+                                        "    attempt 2 on w7, 3.0 s: worker lost\n"
+                                        "    reason: w7: the worker was lost\n"
+                                        "    | warning low_memory\n"));
+  const nlohmann::ordered_json json = JobToJson(job);
+  EXPECT_EQ(json["failedTask"], "frame 1 estimate block 0");
+  EXPECT_EQ(json["failedAttempts"][0]["worker"], "w7");
+  EXPECT_TRUE(JobToJson(SomeJob())["failedTask"].is_null());
+}
+
+TEST(FormatJob, CountsDuplicates) {
+  v1::JobStatus job = SomeJob();
+  EXPECT_THAT(FormatJob(job), Not(HasSubstr("second worker")));
+  job.set_duplicates(5);
+  job.set_duplicates_won(2);
+  EXPECT_THAT(FormatJob(job), HasSubstr("slow tasks given to a second worker: 5, which was faster with 2\n"));
+  EXPECT_EQ(JobToJson(job)["duplicates"], 5);
+  EXPECT_EQ(JobToJson(job)["duplicatesWon"], 2);
+}
+
 TEST(FormatJob, DeterminismViolationsAreLoud) {
   v1::JobStatus job = SomeJob();
   EXPECT_THAT(FormatJob(job), Not(HasSubstr("DETERMINISM")));

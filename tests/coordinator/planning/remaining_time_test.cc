@@ -161,6 +161,23 @@ TEST(RemainingTime, IsNotKnownBeforeAnythingRanOrWithoutSlots) {
   EXPECT_FALSE(remaining.Seconds(0, {}));
 }
 
+TEST(RemainingTime, OfOneTaskIsKnownOnceThreeOfItsKindWereMeasured) {
+  const JobPlan plan(LargeJob({.frames = 4, .gop = 2, .views = 2}));
+  const CostModel costs(plan.resolved());
+  RemainingTime remaining(plan, costs);
+  const TaskId i_frame{JobId(1), 0, TaskKind::kAnalyse, 0, 0};
+  const TaskId p_frame{JobId(1), 1, TaskKind::kAnalyse, 0, 0};
+  const double predicted = costs.Of(i_frame).seconds;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(remaining.SecondsOf(i_frame));
+    remaining.Measured(i_frame, 10 * predicted);
+  }
+  ASSERT_TRUE(remaining.SecondsOf(i_frame));
+  EXPECT_GT(*remaining.SecondsOf(i_frame), 5 * predicted);
+  EXPECT_LT(*remaining.SecondsOf(i_frame), 10 * predicted) << "three of them are not believed in full";
+  EXPECT_FALSE(remaining.SecondsOf(p_frame));
+}
+
 TEST(RemainingTime, CountsWhatWasThereAlreadyAndWhatWasLostAgain) {
   const JobPlan plan(LargeJob({.frames = 8, .gop = 2, .views = 2, .refine = 4}));
   const CostModel costs(plan.resolved());

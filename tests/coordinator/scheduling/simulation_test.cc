@@ -109,6 +109,7 @@ class Chaos {
 
 TEST(FarmSimulation, EveryJobEndsAndNothingIsKeptWhateverHappens) {
   int done = 0;
+  std::uint64_t duplicates = 0;
   for (std::uint32_t seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     SchedulerOptions options;
@@ -134,6 +135,7 @@ TEST(FarmSimulation, EveryJobEndsAndNothingIsKeptWhateverHappens) {
     for (const auto& [id, job] : farm.ended) {
       EXPECT_EQ(job.determinism_violations, 0U);
       EXPECT_TRUE(job.running.empty());
+      duplicates += job.duplicates;
       EXPECT_FALSE(patient && job.state == JobState::kFailed) << job.error.message();
       if (job.state != JobState::kDone) continue;
       ++done;
@@ -151,6 +153,7 @@ TEST(FarmSimulation, EveryJobEndsAndNothingIsKeptWhateverHappens) {
     if (HasFailure()) return;
   }
   EXPECT_GT(done, kSeeds / 2);
+  EXPECT_GT(duplicates, 0U);
 }
 
 TEST(FarmSimulation, TheSameEventsGiveTheSameGrants) {
