@@ -12,9 +12,6 @@
 #include "common/wire/bounds.h"
 #include "common/wire/job_wire.h"
 #include "common/wire/task_wire.h"
-#include "coordinator/service/logs_wire.h"
-#include "coordinator/service/results_page.h"
-#include "coordinator/service/status_wire.h"
 #include "coordinator/service/submission.h"
 
 namespace depthfarm {
@@ -375,66 +372,6 @@ Result<v1::Envelope> Coordinator::Submit(const v1::SubmitJob& request) {
   return answer;
 }
 
-Result<v1::Envelope> Coordinator::StatusOf(JobId id) const {
-  v1::Envelope answer;
-  if (const std::optional<JobSnapshot> job = scheduler_.Job(id)) {
-    *answer.mutable_job_status() = FullStatus(*job);
-    return answer;
-  }
-  if (const v1::JobStatus* job = history_.Find(id)) {
-    *answer.mutable_job_status() = *job;
-    return answer;
-  }
-  return InvalidArgument("there is no job " + std::to_string(id.value()));
-}
-
-v1::JobStatus Coordinator::FullStatus(const JobSnapshot& job) const {
-  v1::JobStatus status = StatusToProto(job, jobs_.at(job.id).summary, now_);
-  if (job.failed_task) AddFailedAttempts(attempts_, *job.failed_task, submitted_.at(job.id), now_, status);
-  return status;
-}
-
-Result<v1::Envelope> Coordinator::ResultsOf(const v1::GetResults& request) const {
-  const JobId id(request.job_id());
-  const std::string name = "job " + std::to_string(id.value());
-  DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope status, StatusOf(id));
-  const v1::JobStatus& job = status.job_status();
-  if (!job.keeps_results()) {
-    return InvalidArgument(name + " writes to " + job.output_dir() +
-                           ": only the results of jobs that were submitted without an output folder can be fetched");
-  }
-  const JobResults* results = scheduler_.ResultsOf(id);
-  const auto running = jobs_.find(id);
-  const auto kept = kept_configs_.find(id);
-  if (results == nullptr || (running == jobs_.end() && kept == kept_configs_.end())) {
-    return InvalidArgument("the results of " + name + " were forgotten for those of later jobs: submit it again");
-  }
-  const auto locate = [this](const ArtifactKey& key) {
-    std::vector<ArtifactLocation> locations;
-    for (const WorkerId holder : scheduler_.HoldersOf(key)) {
-      if (const WorkerSession* session = workers_.Find(holder)) locations.push_back(session->artifacts);
-    }
-    return locations;
-  };
-  v1::Envelope answer;
-  v1::Results& page = *answer.mutable_results();
-  page = ResultsPage(*results, request.first_frame(), locate);
-  page.set_state(job.state());
-  *page.mutable_error() = job.error();
-  if (request.first_frame() == 0) *page.mutable_job() = running != jobs_.end() ? running->second.config : kept->second;
-  return answer;
-}
-
-Result<v1::Envelope> Coordinator::LogsOf(const v1::GetJobLogs& request) const {
-  const JobId id(request.job_id());
-  DEPTHFARM_RETURN_IF_ERROR(StatusOf(id).status());
-  const auto submitted = submitted_.find(id);
-  const TimePoint since = submitted == submitted_.end() ? now_ : submitted->second;
-  v1::Envelope answer;
-  DEPTHFARM_ASSIGN_OR_RETURN(*answer.mutable_job_logs(), LogsToProto(attempts_, request, since, now_));
-  return answer;
-}
-
 Result<v1::Envelope> Coordinator::Cancel(JobId id) {
   if (!scheduler_.Job(id)) {
     const bool ended = history_.Find(id) != nullptr;
@@ -448,38 +385,6 @@ Result<v1::Envelope> Coordinator::Cancel(JobId id) {
   Dispatch(JobCancelled{id});
   v1::Envelope answer;
   answer.mutable_done();
-  return answer;
-}
-
-v1::Envelope Coordinator::ListJobs() const {
-  v1::Envelope answer;
-  v1::JobList* list = answer.mutable_job_list();
-  for (const auto& [id, job] : history_.jobs()) {
-    *list->add_jobs() = job;
-    list->mutable_jobs()->rbegin()->clear_failed_attempts();  // all of them are too long for one message
-  }
-  for (const JobSnapshot& job : scheduler_.Jobs())
-    *list->add_jobs() = StatusToProto(job, jobs_.at(job.id).summary, now_);
-  return answer;
-}
-
-v1::Envelope Coordinator::ListWorkers() const {
-  v1::Envelope answer;
-  for (const WorkerSnapshot& worker : scheduler_.Workers()) {
-    *answer.mutable_worker_list()->add_workers() = StatusToProto(worker, workers_.Find(worker.id), now_);
-  }
-  answer.mutable_worker_list();
-  return answer;
-}
-
-Result<v1::Envelope> Coordinator::BacklogOf(const v1::GetBacklog& request) const {
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::set<std::string> tags,
-                             CheckTags("tags", {request.tags().begin(), request.tags().end()}));
-  const Backlog backlog = scheduler_.BacklogOf(tags);
-  v1::Envelope answer;
-  answer.mutable_backlog()->set_leased(backlog.leased);
-  answer.mutable_backlog()->set_ready(backlog.ready);
-  answer.mutable_backlog()->set_unopened_gops(backlog.unopened_gops);
   return answer;
 }
 
