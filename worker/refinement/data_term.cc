@@ -1,8 +1,10 @@
 #include "worker/refinement/data_term.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "common/base/parallel.h"
@@ -33,13 +35,22 @@ struct Fit {
   NormalEquations equations;
 };
 
-// Adds what the i-th pixel of a list says, (px, py) from the segment's centre.
-void AddPixel(const PixelFits& pixels, std::size_t i, double px, double py, Fit& fit) {
+// A pixel of a list: where it is from the centre of its segment, and what that one has.
+struct Speaker {
+  Fit* fit = nullptr;
+  std::int32_t x = 0;
+  std::int32_t y = 0;
+};
+
+// Adds what the i-th pixel of a list says.
+void AddPixel(const PixelFits& pixels, std::size_t i, const Speaker& speaker) {
+  const double px = speaker.x;
+  const double py = speaker.y;
   const double gg = pixels.gg[i];
   const double gr = pixels.gr[i];
-  fit.rho += pixels.rho[i];
-  ++fit.pixels;
-  auto& [h, rhs] = fit.equations;
+  speaker.fit->rho += pixels.rho[i];
+  ++speaker.fit->pixels;
+  auto& [h, rhs] = speaker.fit->equations;
   h[0] += gg * px * px;
   h[1] += gg * px * py;
   h[2] += gg * px;
@@ -49,13 +60,6 @@ void AddPixel(const PixelFits& pixels, std::size_t i, double px, double py, Fit&
   rhs[0] -= gr * px;
   rhs[1] -= gr * py;
   rhs[2] -= gr;
-}
-
-// The pixels of row y that speak, from left to right.
-void FindSpeaking(const FreePixels& free, int y, int step, std::vector<int>& speaking) {
-  speaking.clear();
-  for (const PixelRun& run : free.Row(y))
-    for (int x = run.left + (run.left + y) % step; x < run.right; x += step) speaking.push_back(x);
 }
 
 // By the number of the segment among those that are free. `own`: the view's picture.
@@ -68,23 +72,33 @@ std::vector<Fit> FitsAgainst(const OtherView& other, const Grid<Pixel>& own, con
   const int share = sampling.row_step * sampling.column_step;
   const double base = share / (other.sigma * other.sigma * (blurred ? kBlurArea : 1));
   PixelList list;
+  std::array<Speaker, kListPixels> speakers;
   PixelFits pixels;
-  std::vector<int> speaking;
+  const auto add_list = [&] {
+    if (list.count == 0) return;
+    FitColours(other, base, list, pixels);
+    for (std::size_t i = 0; i < list.count; ++i)
+      if (pixels.fits[i] != 0) AddPixel(pixels, i, speakers[i]);
+    list.count = 0;
+  };
+  // Each segment is met for the first time somewhere, and not in the cache: memory is asked for it while the colours of
+  // the list are compared.
+  const auto add = [&](int x, int y) {
+    const PlaneIndex segment = refined.plane_of_pixel(x, y);
+    const PixelPosition& center = centers[segment];
+    Fit* const fit = &fits[free.NumberOf(segment)];
+    __builtin_prefetch(fit, 1);
+    __builtin_prefetch(reinterpret_cast<const char*>(fit + 1) - 1, 1);
+    speakers[list.count] = {fit, x - center.x, y - center.y};
+    list.Add(own, x, y, map(x, y));
+    if (list.count == kListPixels) add_list();
+  };
   for (int y = 0; y < own.height() && !stop.stop_requested(); y += sampling.row_step) {
-    FindSpeaking(free, y, sampling.column_step, speaking);
-    for (std::size_t first = 0; first < speaking.size(); first += kListPixels) {
-      list.count = 0;
-      for (const int x : std::span(speaking).subspan(first, std::min(kListPixels, speaking.size() - first)))
-        list.Add(own, x, y, map(x, y));
-      FitColours(other, base, list, pixels);
-      for (std::size_t i = 0; i < list.count; ++i) {
-        if (pixels.fits[i] == 0) continue;
-        const PlaneIndex segment = refined.plane_of_pixel(list.x[i], y);
-        const PixelPosition& center = centers[segment];
-        AddPixel(pixels, i, list.x[i] - center.x, y - center.y, fits[free.NumberOf(segment)]);
-      }
-    }
+    for (const PixelRun& run : free.Row(y))
+      for (int x = run.left + (run.left + y) % sampling.column_step; x < run.right; x += sampling.column_step)
+        add(x, y);
   }
+  add_list();
   return fits;
 }
 

@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
+#include <span>
 #include <stop_token>
+#include <vector>
 
+#include "tests/worker/refinement/random_views.h"
 #include "tests/worker/refinement/two_views.h"
+#include "worker/refinement/sight_kernels.h"
 
 namespace depthfarm {
 namespace {
@@ -52,6 +58,75 @@ TEST(DataTerm, HowManyPixelsSpeakDoesNotChangeTheWeight) {
     }
   }
   EXPECT_NEAR(sharp / expected, 1, 0.1);
+}
+
+// What a single other view says, pixel by pixel in the order of rows: of one view nothing is weighted anew.
+std::vector<NormalEquations> PlainDataTerm(const RandomViews& views, const RefinedView& view,
+                                           const InverseDepthMap& map, std::span<const PixelPosition> centers,
+                                           bool blurred) {
+  const OtherView other = views.Other(blurred);
+  const int row_step = blurred ? 2 : 1;
+  const double base = 2 * row_step / (other.sigma * other.sigma * (blurred ? 13 : 1));
+  std::vector<NormalEquations> sums(centers.size());
+  for (int y = 0; y < map.height(); y += row_step) {
+    for (int x = 0; x < map.width(); ++x) {
+      const PlaneIndex segment = view.plane_of_pixel(x, y);
+      if ((x + y) % 2 != 0 || !view.IsFree(segment)) continue;
+      PixelList one;
+      if (blurred) {
+        one.Add(views.smoothed_own, x, y, map(x, y));
+      } else {
+        one.Add(views.own, x, y, map(x, y));
+      }
+      PixelFits fit;
+      FitColours(other, base, one, fit);
+      if (fit.fits[0] == 0) continue;
+      const double px = x - centers[segment].x;
+      const double py = y - centers[segment].y;
+      const std::array<double, 6> h{fit.gg[0] * px * px, fit.gg[0] * px * py, fit.gg[0] * px,
+                                    fit.gg[0] * py * py, fit.gg[0] * py,      fit.gg[0]};
+      const std::array<double, 3> rhs{fit.gr[0] * px, fit.gr[0] * py, fit.gr[0]};
+      for (std::size_t i = 0; i < h.size(); ++i) sums[segment].h[i] += h[i];
+      for (std::size_t i = 0; i < rhs.size(); ++i) sums[segment].rhs[i] -= rhs[i];
+    }
+  }
+  return sums;
+}
+
+TEST(DataTerm, HasTheBitsOfAPlainSum) {
+  test::Random random(7);
+  int segments_that_speak = 0;
+  for (int round = 0; round < 60; ++round) {
+    const int width = random.Int(2, 150);
+    const int height = random.Int(2, 20);
+    const bool blurred = random.Chance(50);
+    const RandomViews views(random, width, height);
+    const int side = random.Int(1, 9);  // of a segment
+    const int columns = (width + side - 1) / side;
+    RefinedView view{.planes = {}, .kept = {}, .plane_of_pixel = Grid<PlaneIndex>(width, height)};
+    std::vector<PixelPosition> centers;
+    for (int y = 0; y < height; y += side) {
+      for (int x = 0; x < width; x += side) {
+        view.planes.push_back({0.01F * static_cast<float>(random.Int(-9, 9)), 0, static_cast<float>(random.Int(0, 9))});
+        view.kept.push_back(random.Chance(20) ? 1 : 0);
+        centers.push_back({x + side / 2, y + side / 2});
+      }
+    }
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        view.plane_of_pixel(x, y) = static_cast<PlaneIndex>(y / side * columns + x / side);
+    const std::vector<OtherView> others{views.Other(blurred)};
+    const InverseDepthMap map = view.Map();
+    const auto sums = DataTerm(views.Own(blurred), view, FreePixels(view), map, centers, others, blurred);
+    const auto plain = PlainDataTerm(views, view, map, centers, blurred);
+    ASSERT_EQ(sums.size(), plain.size());
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+      ASSERT_EQ(sums[s].h, plain[s].h) << round;
+      ASSERT_EQ(sums[s].rhs, plain[s].rhs) << round;
+      segments_that_speak += plain[s].h[5] > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(segments_that_speak, 1000);
 }
 
 TEST(DataTerm, LeavesKeptSegmentsAndTheirPixelsOut) {
