@@ -4,33 +4,14 @@
 
 #include "coordinator/journal/database.h"
 #include "coordinator/journal/frame_codec.h"
+#include "coordinator/journal/schema.h"
 
 namespace depthfarm {
 namespace {
 
-constexpr std::int64_t kApplicationId = 0x64666a31;  // "dfj1": what `file` and other programs may know it by
-constexpr std::int64_t kSchemaVersion = 1;
-
-constexpr const char* kSchema = R"(
-CREATE TABLE jobs (id INTEGER PRIMARY KEY, algorithm_version INTEGER NOT NULL, output_dir TEXT NOT NULL,
-                   submission BLOB NOT NULL, state INTEGER NOT NULL, status BLOB NOT NULL, ended INTEGER NOT NULL,
-                   wanted INTEGER NOT NULL);
-CREATE INDEX jobs_of_folder ON jobs (output_dir);
-CREATE TABLE frames (job INTEGER NOT NULL, frame INTEGER NOT NULL, committed BLOB NOT NULL,
-                     PRIMARY KEY (job, frame)) WITHOUT ROWID;
-CREATE TABLE last_job (id INTEGER NOT NULL);
-INSERT INTO last_job VALUES (0);
-)";
-
 constexpr const char* kColumns = "id, algorithm_version, output_dir, submission, state, status, ended";
 
 std::int64_t Number(JobId id) { return static_cast<std::int64_t>(id.value()); }
-
-Result<std::int64_t> Pragma(Database& database, const std::string& name) {
-  Statement statement = database.Prepare("PRAGMA " + name);
-  DEPTHFARM_ASSIGN_OR_RETURN(const bool row, statement.Next());
-  return row ? statement.Integer(0) : 0;
-}
 
 Result<JournaledJob> JobOf(const Statement& row, const std::string& path) {
   const std::int64_t state = row.Integer(4);
@@ -69,26 +50,8 @@ Journal::~Journal() = default;
 Result<std::unique_ptr<Journal>> Journal::Open(const std::string& path, const JournalOptions& options,
                                                bool may_create) {
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(path, may_create, options.vfs));
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t application, Pragma(*database, "application_id"));
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t version, Pragma(*database, "user_version"));
-  Statement tables = database->Prepare("SELECT count(*) FROM sqlite_master");
-  DEPTHFARM_ASSIGN_OR_RETURN(const bool row, tables.Next());
-  const bool fresh = row && tables.Integer(0) == 0;
-  if (!fresh && application != kApplicationId) return Corrupt(database->path() + ": is not a journal of depthfarm");
-  if (version > kSchemaVersion) {
-    return Status(ErrorCode::kIncompatible, database->path() + ": was made by a newer depthfarm (journal version " +
-                                                std::to_string(version) + ", this one knows " +
-                                                std::to_string(kSchemaVersion) + ")");
-  }
-  if (fresh) {
-    const Synced synced(*database);
-    DEPTHFARM_RETURN_IF_ERROR(synced.status());
-    DEPTHFARM_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(*database));
-    DEPTHFARM_RETURN_IF_ERROR(database->Execute(std::string(kSchema) +
-                                                "PRAGMA application_id = " + std::to_string(kApplicationId) +
-                                                "; PRAGMA user_version = " + std::to_string(kSchemaVersion)));
-    DEPTHFARM_RETURN_IF_ERROR(transaction.Commit());
-  }
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t version, JournalVersionOf(*database));
+  DEPTHFARM_RETURN_IF_ERROR(BringUpToDate(*database, version));
   return std::unique_ptr<Journal>(new Journal(std::move(database), options));
 }
 
@@ -227,18 +190,28 @@ Result<JobId> Journal::LastJob() const {
 }
 
 Result<std::string> CheckJournal(const std::string& path) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<Journal> journal, Journal::Open(path, {}, false));
-  DEPTHFARM_RETURN_IF_ERROR(journal->CheckIntegrity());
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<JournaledJob> jobs, journal->Jobs());
+  DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Database> database, Database::Open(path, false));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::int64_t version, JournalVersionOf(*database));
+  // All that follows reads what every version has.
+  const Journal journal(std::move(database), {});
+  DEPTHFARM_RETURN_IF_ERROR(journal.CheckIntegrity());
+  DEPTHFARM_ASSIGN_OR_RETURN(
+      const std::vector<JournaledJob> jobs,
+      version == 0 ? Result<std::vector<JournaledJob>>(std::vector<JournaledJob>()) : journal.Jobs());
   std::size_t running = 0;
   std::size_t frames = 0;
   for (const JournaledJob& job : jobs) {
     running += job.ended ? 0 : 1;
-    DEPTHFARM_ASSIGN_OR_RETURN(const CommittedFrames committed, journal->Frames(job.id));
+    DEPTHFARM_ASSIGN_OR_RETURN(const CommittedFrames committed, journal.Frames(job.id));
     frames += committed.size();
   }
-  return "ok: " + std::to_string(jobs.size()) + (jobs.size() == 1 ? " job, " : " jobs, ") + std::to_string(running) +
-         " of them running, " + std::to_string(frames) + " frames in place";
+  std::string text = "ok: " + std::to_string(jobs.size()) + (jobs.size() == 1 ? " job, " : " jobs, ") +
+                     std::to_string(running) + " of them running, " + std::to_string(frames) + " frames in place";
+  if (version != kJournalVersion) {
+    text += "; of journal version " + std::to_string(version) + ": the next coordinator makes it version " +
+            std::to_string(kJournalVersion);
+  }
+  return text;
 }
 
 }  // namespace depthfarm

@@ -43,8 +43,9 @@ struct JournalOptions {
 // Errors: kUnavailable with the path and what SQLite says. Not thread-safe.
 class Journal {
  public:
-  // Opens it, or makes it if `may_create`; an empty path keeps it in memory. kUnavailable also if another coordinator
-  // has it, kIncompatible if a newer version made it, kCorrupt if it is damaged or no journal.
+  // Opens it, brings one of an earlier version up to date, or makes it if `may_create`; an empty path keeps it in
+  // memory. kUnavailable also if another coordinator has it, kIncompatible if a newer version made it, kCorrupt if it
+  // is damaged or no journal.
   [[nodiscard]] static Result<std::unique_ptr<Journal>> Open(const std::string& path,
                                                              const JournalOptions& options = {},
                                                              bool may_create = true);
@@ -75,6 +76,7 @@ class Journal {
   [[nodiscard]] Result<JobId> LastJob() const;
 
  private:
+  friend Result<std::string> CheckJournal(const std::string& path);
   Journal(std::unique_ptr<Database> database, const JournalOptions& options);
   [[nodiscard]] Status Trim();
 
@@ -82,7 +84,8 @@ class Journal {
   const JournalOptions options_;
 };
 
-// "ok: 3 jobs, 1 of them running, 120 frames in place"; opens a journal that is there as Open does and reads all of it.
+// "ok: 3 jobs, 1 of them running, 120 frames in place", and its version if that is an earlier one; opens a journal that
+// is there as Open does, reads all of it and changes nothing.
 [[nodiscard]] Result<std::string> CheckJournal(const std::string& path);
 
 }  // namespace depthfarm

@@ -1,9 +1,11 @@
 // What clients are told of jobs and workers.
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/wire/bounds.h"
 #include "common/wire/task_wire.h"
 #include "coordinator/service/coordinator.h"
 #include "coordinator/service/logs_wire.h"

@@ -24,6 +24,8 @@ const char* Word(AttemptOutcome outcome) {
       return "expired";
     case AttemptOutcome::kWorkerLost:
       return "worker lost";
+    case AttemptOutcome::kOvertaken:
+      return "overtaken";
   }
   return "unknown";
 }

@@ -82,6 +82,10 @@ Status CoordinatorServer::Run() {
   // One that will be started again finds its workers at work.
   if (coordinator_->asked_to_stop() || !keeps_journal_) coordinator_->SayGoodbye();
   SendOutgoing();
+  // Those of the last minute.
+  if (pace_.Owes(channel_->refusals().total() + coordinator_->refusals().total())) {
+    LogRefused(channel_->refusals(), coordinator_->refusals());
+  }
   LogInfo("coordinator_stopped",
           {{"workers", coordinator_->scheduler().Workers().size()}, {"jobs", coordinator_->scheduler().Jobs().size()}});
   return {};
@@ -111,6 +115,10 @@ void CoordinatorServer::LogRefusals(TimePoint now) {
   const ServerRefusals server = channel_->refusals();
   const MessageRefusals& messages = coordinator_->refusals();
   if (!pace_.Due(server.total() + messages.total(), now)) return;
+  LogRefused(server, messages);
+}
+
+void CoordinatorServer::LogRefused(const ServerRefusals& server, const MessageRefusals& messages) {
   LogWarning("refused_so_far", {{"handshakes_wrong_key", server.handshakes_wrong_key},
                                 {"handshakes_malformed", server.handshakes_malformed},
                                 {"handshakes_unfinished", server.handshakes_unfinished},

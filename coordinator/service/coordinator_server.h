@@ -41,6 +41,7 @@ class CoordinatorServer {
   void SendOutgoing();
   void RereadIfAsked();
   void LogRefusals(TimePoint now);
+  static void LogRefused(const ServerRefusals& server, const MessageRefusals& messages);
   void PublishMetrics(TimePoint now);
 
   std::string keys_dir_;  // empty: no CURVE

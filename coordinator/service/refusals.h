@@ -33,6 +33,9 @@ class RefusalPace {
     return true;
   }
 
+  // Whether some of `total` were not logged yet.
+  [[nodiscard]] bool Owes(std::uint64_t total) const { return total != logged_; }
+
  private:
   std::uint64_t logged_ = 0;
   std::optional<std::chrono::steady_clock::time_point> last_;

@@ -7,6 +7,9 @@
 #include <fstream>
 
 #include "common/digest/sha256.h"
+#include "coordinator/journal/database.h"
+#include "coordinator/journal/frame_codec.h"
+#include "coordinator/journal/schema.h"
 #include "tests/support/temporary_folder.h"
 
 namespace depthfarm {
@@ -200,6 +203,93 @@ TEST_F(JournalTest, ACheckReadsAllOfIt) {
   const std::string other = path_ + "-of-nobody";
   EXPECT_EQ(CheckJournal(other).status().code(), ErrorCode::kUnavailable);
   EXPECT_FALSE(fs::exists(other));
+}
+
+// As the first journals of version 1 were made (coordinator/journal/journal.cc of 28 November 2026), with a job in each
+// state.
+constexpr const char* kFirstVersion = R"(
+CREATE TABLE jobs (id INTEGER PRIMARY KEY, algorithm_version INTEGER NOT NULL, output_dir TEXT NOT NULL,
+                   submission BLOB NOT NULL, state INTEGER NOT NULL, status BLOB NOT NULL, ended INTEGER NOT NULL);
+CREATE INDEX jobs_of_folder ON jobs (output_dir);
+CREATE TABLE frames (job INTEGER NOT NULL, frame INTEGER NOT NULL, committed BLOB NOT NULL,
+                     PRIMARY KEY (job, frame)) WITHOUT ROWID;
+CREATE TABLE last_job (id INTEGER NOT NULL);
+INSERT INTO last_job VALUES (3);
+INSERT INTO jobs VALUES (1, 9, '/a', x'', 1, x'64', 1);
+INSERT INTO jobs VALUES (2, 9, '/b', x'6a32', 2, x'66', 2);
+INSERT INTO jobs VALUES (3, 9, '/c', x'6a33', 0, x'', 0);
+PRAGMA application_id = 1684433457;
+PRAGMA user_version = 1;
+)";
+
+class OldJournal : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::unique_ptr<Database> database = Database::Open(path_, true).value();
+    const Status made = database->Execute(kFirstVersion);
+    ASSERT_TRUE(made.ok()) << made.message();
+    ASSERT_TRUE(
+        database->Prepare("INSERT INTO frames VALUES (3, 0, ?)").BindBlob(EncodeFrame(FrameOf("zero"))).Run().ok());
+  }
+  std::int64_t Version() { return JournalVersionOf(*Database::Open(path_, false).value()).value(); }
+
+  testing_support::TemporaryFolder folder_;
+  std::string path_ = (folder_.path() / "journal.sqlite").string();
+};
+
+TEST_F(OldJournal, IsBroughtUpToDateWithAllThatIsInIt) {
+  std::unique_ptr<Journal> journal = Journal::Open(path_).value();
+  EXPECT_EQ(journal->LastJob().value(), JobId(3));
+  EXPECT_EQ(journal->Jobs().value().size(), 3U);
+  EXPECT_EQ(journal->Find(JobId(3)).value()->submission, "j3");
+  EXPECT_EQ(journal->Frames(JobId(3)).value().at(0).files, FrameOf("zero").files);
+  // Written as in a new one.
+  ASSERT_TRUE(journal->Admit({JobId(4), 9, "/d", "j4", JobState::kRunning, ""}).ok());
+  ASSERT_TRUE(journal->End(JobId(3), JobState::kFailed, "f").ok());
+  EXPECT_EQ(journal->Find(JobId(2)).value()->submission, "j2") << "one that failed can still go on";
+  EXPECT_EQ(journal->Find(JobId(3)).value()->submission, "j3");
+  journal.reset();
+  EXPECT_EQ(Version(), kJournalVersion);
+  EXPECT_EQ(Journal::Open(path_).value()->Jobs().value().size(), 4U);
+}
+
+TEST_F(OldJournal, ACheckTellsItsVersionAndChangesNothing) {
+  EXPECT_EQ(CheckJournal(path_).value(),
+            "ok: 3 jobs, 1 of them running, 1 frames in place; of journal version 1: the next coordinator makes it "
+            "version 2");
+  EXPECT_EQ(Version(), 1);
+}
+
+TEST_F(OldJournal, OneThatHasTheColumnIsOnlyRenumbered) {
+  {
+    const std::unique_ptr<Database> database = Database::Open(path_, false).value();
+    ASSERT_TRUE(database
+                    ->Execute("ALTER TABLE jobs ADD COLUMN wanted INTEGER NOT NULL DEFAULT 0;"
+                              "UPDATE jobs SET wanted = 7 WHERE id = 2")
+                    .ok());
+  }
+  (void)Journal::Open(path_).value();
+  const std::unique_ptr<Database> database = Database::Open(path_, false).value();
+  Statement wanted = database->Prepare("SELECT wanted FROM jobs WHERE id = 2");
+  ASSERT_TRUE(wanted.Next().value());
+  EXPECT_EQ(wanted.Integer(0), 7);
+  EXPECT_EQ(JournalVersionOf(*database).value(), kJournalVersion);
+}
+
+// A step that fails leaves the old version whole.
+TEST_F(OldJournal, AChangeThatFailsChangesNothing) {
+  {
+    const std::unique_ptr<Database> database = Database::Open(path_, false).value();
+    ASSERT_TRUE(
+        database->Execute("CREATE TRIGGER disk_full BEFORE UPDATE ON jobs BEGIN SELECT raise(ABORT, 'full'); END")
+            .ok());
+  }
+  EXPECT_FALSE(Journal::Open(path_).ok());
+  EXPECT_EQ(Version(), 1);
+  const std::unique_ptr<Database> database = Database::Open(path_, false).value();
+  Statement columns = database->Prepare("SELECT count(*) FROM pragma_table_info('jobs')");
+  ASSERT_TRUE(columns.Next().value());
+  EXPECT_EQ(columns.Integer(0), 7);
 }
 
 TEST(JournalInMemory, DoesTheSame) {

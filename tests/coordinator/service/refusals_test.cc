@@ -24,6 +24,8 @@ TEST(RefusalPace, TheFirstIsToldAtOnceAndNothingNewNever) {
   const std::chrono::steady_clock::time_point start{};
   EXPECT_FALSE(pace.Due(0, start));
   EXPECT_TRUE(pace.Due(1, start + seconds(5)));
+  EXPECT_FALSE(pace.Owes(1));
+  EXPECT_TRUE(pace.Owes(2));
   EXPECT_FALSE(pace.Due(1, start + seconds(500)));
   EXPECT_TRUE(pace.Due(2, start + seconds(501)));
 }
