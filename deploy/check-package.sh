@@ -17,6 +17,8 @@ mkdir "$root/packages"
 cp "$packages"/*.deb "$root/packages"
 inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive HOME=/root "$@"; }
 as_user() { chroot "$root" setpriv --reuid=1000 --regid=1000 --clear-groups env -i PATH=/usr/bin:/bin LC_ALL=C.UTF-8 HOME=/home/user "$@"; }
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+inside apt-get update -q
 inside sh -c 'apt-get install -q -y --no-install-recommends /packages/*.deb'
 echo "root and packages: $((SECONDS - started)) s"
 inside useradd --create-home --uid 1000 user
