@@ -10,7 +10,7 @@
 namespace depthfarm {
 namespace {
 
-constexpr int kMostWorkers = 4096;
+constexpr int kMostWorkers = 1024;
 constexpr std::size_t kMostNameBytes = 32;
 
 constexpr auto kEngines = std::to_array<std::pair<EngineKind, std::string_view>>(
@@ -78,9 +78,8 @@ Result<WorkerRange> ParseWorkerRange(std::string_view text) {
   const std::optional<int> last = dots == std::string_view::npos ? first : ParseInt(text.substr(dots + 2));
   const int least = dots == std::string_view::npos ? 1 : 0;
   if (!first || !last || *first < least || *last < 1 || *last < *first || *last > kMostWorkers) {
-    return InvalidArgument("workers are '" + std::string(text) +
-                           "', expected a number, or a range such as 4..64, of at most " +
-                           std::to_string(kMostWorkers));
+    return InvalidArgument("workers are '" + std::string(text) + "', expected 1 to " + std::to_string(kMostWorkers) +
+                           ", or bounds such as 4..64");
   }
   return WorkerRange{*first, *last};
 }

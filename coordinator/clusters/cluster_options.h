@@ -16,7 +16,7 @@ enum class EngineKind { kLocal, kSlurm, kSsh };
 // "local", "slurm", "ssh".
 [[nodiscard]] Result<EngineKind> ParseEngine(std::string_view name);
 
-// "4" or "4..64": bounds of the number of workers, 1 (the lower one 0) to 4096.
+// "4" or "4..64": bounds of the number of workers, 1 (the lower one 0) to 1024.
 struct WorkerRange {
   int min = 1;
   int max = 1;
