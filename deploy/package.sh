@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the Debian packages into build/packages: depthfarm, depthfarm-worker, depthfarm-coordinator, libdepthfarm-dev and
-# python3-depthfarm. The same sources give the same bytes wherever they are built.
-# usage: package.sh [--check-reproducible]     builds twice, from a copy elsewhere too, and compares
+# python3-depthfarm. Times in them are those of the last commit.
+# usage: package.sh [--check-reproducible]     builds what is committed twice, elsewhere too, and compares the bytes
 set -euo pipefail
 source_dir=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$source_dir"
