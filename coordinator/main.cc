@@ -3,13 +3,13 @@
 #include <atomic>
 #include <csignal>
 #include <cstdint>
-#include <cstdlib>
 #include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "common/files/atomic_file.h"
+#include "common/files/state_folder.h"
 #include "common/log/log.h"
 #include "common/transport/descriptor_limit.h"
 #include "coordinator/journal/journal.h"
@@ -51,17 +51,11 @@ int Fail(const depthfarm::Status& status) {
 depthfarm::Result<std::string> JournalFile(const std::string& asked) {
   if (asked == "none") return std::string();
   if (!asked.empty()) return asked;
-  // NOLINTBEGIN(concurrency-mt-unsafe): no other thread has begun
-  const char* state = std::getenv("XDG_STATE_HOME");
-  const char* home = std::getenv("HOME");
-  // NOLINTEND(concurrency-mt-unsafe)
-  std::string folder = state != nullptr ? state : "";
-  if (folder.empty() && home != nullptr && *home != '\0') folder = std::string(home) + "/.local/state";
-  if (folder.empty() || folder.front() != '/')
-    return depthfarm::InvalidArgument("neither XDG_STATE_HOME nor HOME is set: name a file with --journal, or none");
-  folder += "/depthfarm";
-  DEPTHFARM_RETURN_IF_ERROR(depthfarm::MakeDirectories(folder));
-  return folder + "/coordinator.sqlite";
+  const depthfarm::Result<std::string> folder = depthfarm::StateFolder();
+  if (!folder.ok())
+    return depthfarm::InvalidArgument(folder.status().message() + ": name a file with --journal, or none");
+  DEPTHFARM_RETURN_IF_ERROR(depthfarm::MakeDirectories(*folder));
+  return *folder + "/coordinator.sqlite";
 }
 
 }  // namespace

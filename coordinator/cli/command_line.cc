@@ -8,7 +8,9 @@
 #include <sstream>
 #include <thread>
 
+#include "coordinator/cli/cluster_line.h"
 #include "coordinator/cli/exit_codes.h"
+#include "coordinator/cli/option_parts.h"
 
 namespace depthfarm {
 namespace {
@@ -69,8 +71,6 @@ CLI::Option* AddJobOptions(CLI::App& app, JobArguments& job) {
   return output;
 }
 
-void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }
-
 void AddJobId(CLI::App& app, std::uint64_t& job) {
   // Not CLI11's own conversion, which takes -1 for a number of 20 digits.
   const auto parse = [&job](const std::string& text) {
@@ -80,163 +80,6 @@ void AddJobId(CLI::App& app, std::uint64_t& job) {
     }
   };
   app.add_option_function<std::string>("JOB", parse, "Number that submit printed")->required()->type_name("");
-}
-
-CLI::Option* AddThreads(CLI::App& app, int& threads) {
-  return app.add_option("--threads", threads, "Threads of each worker: a frame ends sooner, its depth is the same")
-      ->type_name("T")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-}
-
-std::string IsWorkerRange(const std::string& text) {
-  const Result<WorkerRange> range = ParseWorkerRange(text);
-  return range.ok() ? "" : range.status().message();
-}
-
-constexpr const char* kWorkersGroup = "Workers";
-
-// `partition`: the option's name; jobs have a --partition of levels.
-void AddEngine(CLI::App& app, EngineArguments& arguments, const char* partition) {
-  const char* group = "Engine";
-  ClusterOptions& options = arguments.options;
-  app.add_option("--engine", arguments.engine,
-                 "Who provides the workers: this machine, Slurm, or hosts that are reached by ssh")
-      ->type_name("local|slurm|ssh")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option(partition, options.partition, "Slurm: partition of the workers; default: Slurm's")
-      ->type_name("P")
-      ->group(group);
-  app.add_option("--time", options.time,
-                 "Slurm: time limit of a worker, as sbatch takes it, e.g. 4:00:00; a worker hands its tasks back two "
-                 "minutes before, and another one is asked for")
-      ->type_name("T")
-      ->group(group);
-  app.add_option("--account", options.account, "Slurm: account that is charged")->type_name("A")->group(group);
-  app.add_option("--qos", options.qos, "Slurm: quality of service")->type_name("Q")->group(group);
-  app.add_option("--engine-option", options.engine_arguments,
-                 "One more option of sbatch or ssh, e.g. --engine-option=--constraint=avx2; may be repeated")
-      ->type_name("OPTION")
-      ->allow_extra_args(false)
-      ->group(group);
-  app.add_option("--hosts", options.hosts_file, "ssh: file of lines 'HOST [WORKERS]'")->type_name("FILE")->group(group);
-  app.add_option("--state", arguments.state_dir,
-                 "Folder for keys, logs and the coordinator's journal, which the workers' machines see under the same "
-                 "name; default: depthfarm/clusters/NAME in $XDG_STATE_HOME or ~/.local/state")
-      ->type_name("DIR")
-      ->group(group);
-  app.add_option("--host", options.host, "Name or address that workers reach this machine by; default: its own name")
-      ->type_name("HOST")
-      ->group(group);
-  app.add_option("--port", options.port, "Of the coordinator; default: a free one")
-      ->type_name("PORT")
-      ->check(CLI::Range(1, 65535))
-      ->group(group);
-  app.add_option("--slots", options.slots, "Tasks that each worker computes at a time")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str()
-      ->group(kWorkersGroup);
-  app.add_option("--worker-memory", options.worker_memory_bytes,
-                 "Memory of each worker, e.g. 8GB, asked for and kept to; default: what its machine has")
-      ->transform(CLI::AsSizeValue(false))
-      ->transform(CLI::Validator(  // CLI11 takes -1 for a size of 20 digits
-          [](const std::string& text) {
-            return text.find('-') == std::string::npos ? "" : "is '" + text + "', expected a size such as 8GB";
-          },
-          "SIZE"))
-      ->type_name("SIZE")
-      ->group(kWorkersGroup);
-  app.add_option("--worker-program", options.worker_program,
-                 "Where the workers' machines have depthfarm-worker; default: where this one has it")
-      ->type_name("FILE")
-      ->group(kWorkersGroup);
-  app.add_option("--cache-dir", options.cache_dir,
-                 "Folder of the artifacts on each machine, shared by its workers and kept; default: temporary ones")
-      ->type_name("DIR")
-      ->group(kWorkersGroup);
-  app.add_option("--cache-size", options.cache_size, "Bound of that folder; default: 8GB")
-      ->type_name("SIZE")
-      ->group(kWorkersGroup);
-  app.add_option("--path-map", options.path_map,
-                 "What jobs name below FROM is below TO on the workers' machines; may be repeated")
-      ->type_name("FROM=TO")
-      ->allow_extra_args(false)
-      ->group(kWorkersGroup);
-}
-
-void AddState(CLI::App& app, EngineArguments& arguments) {
-  app.add_option("--name", arguments.options.name, "Name of the cluster")->type_name("NAME")->capture_default_str();
-  app.add_option("--state", arguments.state_dir,
-                 "Its folder; default: depthfarm/clusters/NAME in $XDG_STATE_HOME or ~/.local/state")
-      ->type_name("DIR");
-}
-
-void DefineClusterUp(CLI::App& app, ClusterArguments& arguments) {
-  EngineArguments& engine = arguments.engine;
-  app.add_option("--workers", engine.workers,
-                 "How many, or bounds: as many as there is work for; default: 0..CORES on this machine, 0..8 else")
-      ->type_name("N|A..B")
-      ->check(IsWorkerRange)
-      ->group(kWorkersGroup);
-  AddEngine(app, engine, "--partition");
-  AddThreads(app, engine.options.threads)->group(kWorkersGroup);
-  app.add_option("--tags", engine.options.tags, "What the workers have, for jobs submitted with --require")
-      ->type_name("TAG,...")
-      ->delimiter(',')
-      ->group(kWorkersGroup);
-  app.add_option("--idle-seconds", engine.options.idle_seconds,
-                 "A worker that is not needed leaves after so long without a task")
-      ->type_name("S")
-      ->check(CLI::Range(1, 86400))
-      ->capture_default_str()
-      ->group(kWorkersGroup);
-  app.add_option("--name", engine.options.name, "Name of the cluster, to have several")
-      ->type_name("NAME")
-      ->capture_default_str();
-  app.add_option("--coordinator", engine.options.coordinator,
-                 "A coordinator that exists, to provide it with workers; default: one is started")
-      ->type_name("tcp://HOST:PORT");
-  app.add_option("--keys", engine.options.keys_dir,
-                 "Folder with the keys for that coordinator, a client's of role admin and a worker's")
-      ->type_name("DIR");
-  app.add_flag("--insecure", engine.options.insecure, "That coordinator has no keys: loopback addresses only");
-  CLI::Option* batch = app.add_flag("--batch", engine.options.manager_as_job,
-                                    "Slurm: coordinator and manager run as a batch job, not on this machine");
-  app.add_flag("--foreground", arguments.foreground, "Stay, tell what happens, and end the cluster with Ctrl-C")
-      ->excludes(batch);
-  app.footer(
-      "Starts a coordinator and, while there is work for them, workers: they are asked for as jobs are submitted and\n"
-      "leave when they are idle. What it prints is how to submit to it. The journal of the coordinator stays in the "
-      "state\n"
-      "folder: a cluster that goes down with jobs in it goes on with them when it is up again.\n"
-      "Examples:\n"
-      "  depthfarm cluster up --engine slurm --workers 4..64 --partition render --time 8:00:00 --worker-memory 8GB\n"
-      "  depthfarm cluster up --engine ssh --hosts hosts.txt --workers 0..12 --cache-dir /var/tmp/depthfarm\n"
-      "  depthfarm cluster up --workers 2");
-}
-
-void DefineCluster(CLI::App& app, CommandArguments& storage) {
-  auto& arguments = storage.emplace<ClusterArguments>();
-  app.require_subcommand(1);
-  using Action = ClusterArguments::Action;
-  const auto add = [&](const char* name, const char* summary, Action action) {
-    CLI::App* command = app.add_subcommand(name, summary);
-    command->callback([&arguments, action] { arguments.action = action; });
-    return command;
-  };
-  DefineClusterUp(*add("up", "Start a farm whose workers come and go with the work", Action::kUp), arguments);
-  CLI::App* status = add("status", "Workers, waiting ones, and the work there is", Action::kStatus);
-  AddState(*status, arguments.engine);
-  AddJsonFlag(*status, arguments.json);
-  CLI::App* down = add("down", "End workers and coordinator; unfinished jobs stay in its journal", Action::kDown);
-  AddState(*down, arguments.engine);
-  // What `up` starts in the background, or as a batch job.
-  CLI::App* manage = add("manage", "Manage a cluster", Action::kManage);
-  AddState(*manage, arguments.engine);
-  manage->group("");
-  app.footer("Help of each: depthfarm cluster up --help");
 }
 
 void DefineDemo(CLI::App& app, CommandArguments& storage) {
@@ -252,11 +95,9 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
   auto& arguments = storage.emplace<RunArguments>();
   AddJobOptions(app, arguments.job)->required();
   const char* group = "Local farm";
-  app.add_option("--workers", arguments.engine.workers,
-                 "Worker processes; default: one per core. Of another engine also bounds, as many as there is work for")
-      ->type_name("N|A..B")
-      ->check(IsWorkerRange)
-      ->group(kWorkersGroup);
+  AddWorkerRange(
+      app, arguments.engine.workers,
+      "Worker processes; default: one per core. Of another engine also bounds, as many as there is work for");
   AddThreads(app, arguments.farm.threads)->group(kWorkersGroup);
   AddEngine(app, arguments.engine, "--slurm-partition");
   app.add_option("--worker-log-dir", arguments.farm.worker_log_dir,

@@ -26,8 +26,8 @@ fs::path TemporaryRoot() {
 
 }  // namespace
 
-Result<PrivateFolder> PrivateFolder::Make() {
-  std::string pattern = (TemporaryRoot() / "depthfarm-XXXXXX").string();
+Result<PrivateFolder> PrivateFolder::Make(const fs::path& parent) {
+  std::string pattern = ((parent.empty() ? TemporaryRoot() : parent) / "depthfarm-XXXXXX").string();
   if (::mkdtemp(pattern.data()) == nullptr) {
     return Unavailable("cannot make a temporary folder " + pattern + ": " + std::strerror(errno));
   }

@@ -7,12 +7,12 @@
 
 namespace depthfarm {
 
-// A new folder below $TMPDIR (or /tmp) that only this user may enter (0700), with a name short enough for sockets in
-// it. The folder and all that is in it go with this object.
+// A new folder below `parent`, or below $TMPDIR (or /tmp), that only this user may enter (0700), with a name
+// short enough, in the latter case, for sockets in it. The folder and all that is in it go with this object.
 class PrivateFolder {
  public:
   // kUnavailable: it cannot be made.
-  [[nodiscard]] static Result<PrivateFolder> Make();
+  [[nodiscard]] static Result<PrivateFolder> Make(const std::filesystem::path& parent = {});
   PrivateFolder(PrivateFolder&& other) noexcept;
   PrivateFolder& operator=(PrivateFolder&& other) = delete;
   PrivateFolder(const PrivateFolder&) = delete;

@@ -1,8 +1,7 @@
-#include <sys/utsname.h>
-
 #include <filesystem>
 #include <iostream>
 
+#include "common/base/host_name.h"
 #include "common/files/atomic_file.h"
 #include "common/files/writable_folder.h"
 #include "coordinator/cli/commands.h"
@@ -19,11 +18,6 @@ namespace depthfarm {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string HostName() {
-  utsname system = {};
-  return ::uname(&system) == 0 ? system.nodename : "";
-}
 
 nlohmann::ordered_json RunJson(const JobRequest& request, const LocalJob& job) {
   nlohmann::ordered_json json = JobToJson(job.status);

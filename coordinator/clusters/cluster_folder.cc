@@ -6,12 +6,12 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/files/atomic_file.h"
+#include "common/files/state_folder.h"
 
 namespace depthfarm {
 namespace {
@@ -38,16 +38,9 @@ Status CheckPrivate(const fs::path& path) {
 }  // namespace
 
 Result<std::string> ClusterFolder::DefaultPath(const std::string& name) {
-  // NOLINTBEGIN(concurrency-mt-unsafe): nothing here changes the environment
-  const char* state = std::getenv("XDG_STATE_HOME");
-  const char* home = std::getenv("HOME");
-  // NOLINTEND(concurrency-mt-unsafe)
-  std::string folder = state != nullptr ? state : "";
-  if (folder.empty() && home != nullptr && *home != '\0') folder = std::string(home) + "/.local/state";
-  if (folder.empty() || folder.front() != '/') {
-    return InvalidArgument("neither XDG_STATE_HOME nor HOME is set: name a folder with --state");
-  }
-  return folder + "/depthfarm/clusters/" + name;
+  const Result<std::string> folder = StateFolder();
+  if (!folder.ok()) return InvalidArgument(folder.status().message() + ": name a folder with --state");
+  return *folder + "/clusters/" + name;
 }
 
 Result<ClusterFolder> ClusterFolder::Make(const fs::path& path) {

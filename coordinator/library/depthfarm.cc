@@ -17,6 +17,7 @@
 #include "common/wire/job_wire.h"
 #include "common/wire/sequence_wire.h"
 #include "coordinator/cli/job_request.h"
+#include "coordinator/cli/private_folder.h"
 #include "coordinator/library/in_process_farm.h"
 #include "coordinator/service/submission.h"
 
@@ -28,30 +29,6 @@ using nlohmann::ordered_json;
 
 constexpr int kMostThreads = 1024;
 constexpr float kCertain = 65535;
-
-// A folder that goes with the object.
-class ScratchFolder {
- public:
-  [[nodiscard]] Status Make(const std::string& parent) {
-    std::error_code error;
-    const fs::path root = parent.empty() ? fs::temp_directory_path(error) : fs::absolute(parent, error);
-    std::string pattern = ((error ? fs::path("/tmp") : root) / "depthfarm-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) return Unavailable("cannot make a folder like " + pattern);
-    path_ = pattern;
-    return {};
-  }
-  ScratchFolder() = default;
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  ~ScratchFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) fs::remove_all(path_, ignored);
-  }
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 ordered_json Rows(const std::array<double, 9>& matrix) {
   ordered_json rows = ordered_json::array();
@@ -185,8 +162,7 @@ depthfarm::Result<std::vector<std::vector<DepthMap>>> Estimate(const Scene& scen
     return InvalidArgument("threads are " + std::to_string(options.threads) + ", expected 0 to " +
                            std::to_string(kMostThreads));
   }
-  ScratchFolder scratch;
-  DEPTHFARM_RETURN_IF_ERROR(scratch.Make(options.scratch));
+  DEPTHFARM_ASSIGN_OR_RETURN(const PrivateFolder scratch, PrivateFolder::Make(options.scratch));
   for (const char* folder : {"pictures", "store"}) {
     DEPTHFARM_RETURN_IF_ERROR(MakeDirectories((scratch.path() / folder).string()));
   }

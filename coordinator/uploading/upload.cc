@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/host_name.h"
 #include "common/transport/endpoint.h"
 #include "common/transport/farm_keys.h"
 #include "worker/transfer/addresses.h"
@@ -20,13 +21,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kAliveInterval{1000};
 constexpr std::chrono::milliseconds kLookInterval{100};
-constexpr std::size_t kHostNameBytes = 256;
-
-std::string HostName() {
-  std::array<char, kHostNameBytes> name{};
-  if (gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "localhost";
-  return name.data();
-}
 
 // One list of paths of a camera and the digests of those that the job reads.
 struct FileList {

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <fstream>
 
+#include "tests/system/managed_cluster.h"
 #include "tests/system/support.h"
 
 namespace depthfarm::system_test {
@@ -24,114 +25,103 @@ class ClusterTest : public testing::Test {
     ASSERT_EQ(run.exit_code, 0) << run.output;
     expected_ = DepthOf(folder_ / "undisturbed");
   }
-  void TearDown() override { (void)Depthfarm(Words{"cluster", "down"} + State()); }
-
-  Words State() { return {"--state", folder_ / "cluster"}; }
-  Outcome Up(const Words& options) { return Depthfarm(Words{"cluster", "up"} + State() + options); }
-  // What `cluster status --json` says; discarded when it says nothing.
-  nlohmann::json Status() { return ParseJsonTail(Depthfarm(Words{"cluster", "status", "--json"} + State()).output); }
-  bool Comes(const std::function<bool(const nlohmann::json&)>& condition) {
-    return WaitUntil([&] {
-      const nlohmann::json status = Status();
-      return !status.is_discarded() && condition(status);
-    });
-  }
-  Words Target() {
-    const nlohmann::json status = Status();
-    return {"--coordinator", status.at("coordinator"), "--keys", status.at("keys")};
-  }
   void ExpectDepth(const std::string& output) {
     EXPECT_THAT(Differences(expected_, DepthOf(folder_ / output)), IsEmpty());
     EXPECT_THAT(Leftovers(folder_ / output), IsEmpty());
   }
-  std::string ManagerLog() { return ReadFile(folder_.path() / "cluster" / "log" / "manager.log"); }
-
   TemporaryFolder folder_;
+  ManagedCluster cluster_{folder_.path() / "cluster"};
   std::string sequence_;
   std::map<std::string, std::string> expected_;
 };
 
 TEST_F(ClusterTest, WorkersComeWithTheWorkAndLeaveAfterIt) {
-  const Outcome up = Up({"--workers", "0..2", "--idle-seconds", "1"});
+  const Outcome up = cluster_.Call("up", {"--workers", "0..2", "--idle-seconds", "1"});
   ASSERT_EQ(up.exit_code, 0) << up.output;
   EXPECT_THAT(up.output, HasSubstr("export DEPTHFARM_COORDINATOR=tcp://127.0.0.1:"));
-  EXPECT_EQ(Status().at("joined"), 0);
-  const Outcome again = Up({});
+  EXPECT_EQ(cluster_.Status().at("joined"), 0);
+  const Outcome again = cluster_.Call("up", {});
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_THAT(again.output, HasSubstr("is up already"));
 
-  const Outcome job = Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out", "--wait"} + SmallJob() + Target());
-  ASSERT_EQ(job.exit_code, 0) << job.output << ManagerLog();
+  const Outcome job =
+      Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out", "--wait"} + SmallJob() + cluster_.Target());
+  ASSERT_EQ(job.exit_code, 0) << job.output << cluster_.ManagerLog();
   ExpectDepth("out");
-  EXPECT_TRUE(Comes([](const nlohmann::json& status) { return status.at("joined") == 0; })) << ManagerLog();
-  EXPECT_THAT(ManagerLog(), HasSubstr("is not needed and leaves"));
+  EXPECT_TRUE(cluster_.Comes([](const nlohmann::json& status) { return status.at("joined") == 0; }))
+      << cluster_.ManagerLog();
+  EXPECT_THAT(cluster_.ManagerLog(), HasSubstr("is not needed and leaves"));
 
-  ASSERT_EQ(Depthfarm(Words{"cluster", "down"} + State()).exit_code, 0) << ManagerLog();
-  const Outcome down = Depthfarm(Words{"cluster", "status"} + State());
+  ASSERT_EQ(cluster_.Call("down").exit_code, 0) << cluster_.ManagerLog();
+  const Outcome down = cluster_.Call("status");
   EXPECT_EQ(down.exit_code, 2);
   EXPECT_THAT(down.output, HasSubstr("is not up"));
 }
 
 TEST_F(ClusterTest, JobsOutliveTheirCluster) {
-  ASSERT_EQ(Up({"--workers", "0..1"}).exit_code, 0);
-  const Outcome submitted = Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out"} + SmallJob() + Target());
+  ASSERT_EQ(cluster_.Call("up", {"--workers", "0..1"}).exit_code, 0);
+  const Outcome submitted =
+      Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out"} + SmallJob() + cluster_.Target());
   ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
-  ASSERT_EQ(Depthfarm(Words{"cluster", "down"} + State()).exit_code, 0) << ManagerLog();
-  ASSERT_EQ(Up({"--workers", "0..2"}).exit_code, 0) << ManagerLog();
-  const Outcome watched = Depthfarm(Words{"watch", "1"} + Target());
-  EXPECT_EQ(watched.exit_code, 0) << watched.output << ManagerLog();
+  ASSERT_EQ(cluster_.Call("down").exit_code, 0) << cluster_.ManagerLog();
+  ASSERT_EQ(cluster_.Call("up", {"--workers", "0..2"}).exit_code, 0) << cluster_.ManagerLog();
+  const Outcome watched = Depthfarm(Words{"watch", "1"} + cluster_.Target());
+  EXPECT_EQ(watched.exit_code, 0) << watched.output << cluster_.ManagerLog();
   ExpectDepth("out");
 }
 
 TEST_F(ClusterTest, AKilledManagerLeavesNothingThatDownDoesNotTidyUp) {
-  ASSERT_EQ(Up({"--workers", "1..1"}).exit_code, 0);
-  ASSERT_TRUE(Comes([](const nlohmann::json& status) { return status.at("joined") == 1; })) << ManagerLog();
-  const pid_t manager = Status().at("manager").at("process");
+  ASSERT_EQ(cluster_.Call("up", {"--workers", "1..1"}).exit_code, 0);
+  ASSERT_TRUE(cluster_.Comes([](const nlohmann::json& status) { return status.at("joined") == 1; }))
+      << cluster_.ManagerLog();
+  const pid_t manager = cluster_.Status().at("manager").at("process");
   const std::vector<pid_t> coordinators = ChildrenOf(manager, "depthfarm-coordinator");
   const std::vector<pid_t> workers = ChildrenOf(manager, "depthfarm-worker");
   ASSERT_EQ(coordinators.size(), 1U);
   ASSERT_EQ(workers.size(), 1U);
   ASSERT_EQ(::kill(manager, SIGKILL), 0);
   EXPECT_TRUE(WaitUntil([&] { return IsGone(coordinators[0]) && IsGone(workers[0]); }));
-  const Outcome status = Depthfarm(Words{"cluster", "status"} + State());
+  const Outcome status = cluster_.Call("status");
   EXPECT_EQ(status.exit_code, 3);
   EXPECT_THAT(status.output, HasSubstr("without a manager"));
-  EXPECT_EQ(Depthfarm(Words{"cluster", "down"} + State()).exit_code, 0);
-  EXPECT_EQ(Up({"--workers", "1"}).exit_code, 0) << ManagerLog();
+  EXPECT_EQ(cluster_.Call("down").exit_code, 0);
+  EXPECT_EQ(cluster_.Call("up", {"--workers", "1"}).exit_code, 0) << cluster_.ManagerLog();
 }
 
 TEST_F(ClusterTest, ACoordinatorThatDiesIsStartedAgain) {
-  ASSERT_EQ(Up({"--workers", "1"}).exit_code, 0);
-  const Words target = Target();
-  const std::vector<pid_t> coordinators = ChildrenOf(Status().at("manager").at("process"), "depthfarm-coordinator");
+  ASSERT_EQ(cluster_.Call("up", {"--workers", "1"}).exit_code, 0);
+  const Words target = cluster_.Target();
+  const std::vector<pid_t> coordinators =
+      ChildrenOf(cluster_.Status().at("manager").at("process"), "depthfarm-coordinator");
   ASSERT_EQ(coordinators.size(), 1U);
   ASSERT_EQ(::kill(coordinators[0], SIGKILL), 0);
-  ASSERT_TRUE(WaitUntil([&] { return ManagerLog().find("starting it again") != std::string::npos; }));
+  ASSERT_TRUE(WaitUntil([&] { return cluster_.ManagerLog().find("starting it again") != std::string::npos; }));
   const Outcome job = Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out", "--wait"} + SmallJob() + target);
-  ASSERT_EQ(job.exit_code, 0) << job.output << ManagerLog();
+  ASSERT_EQ(job.exit_code, 0) << job.output << cluster_.ManagerLog();
   ExpectDepth("out");
 }
 
 TEST_F(ClusterTest, ACoordinatorThatWasThereBeforeGetsWorkersAndStays) {
   Farm farm;
   ASSERT_TRUE(farm.ok()) << farm.problem();
-  const Outcome up = Up({"--coordinator", farm.endpoint(), "--workers", "1..2"});
+  const Outcome up = cluster_.Call("up", {"--coordinator", farm.endpoint(), "--workers", "1..2"});
   ASSERT_EQ(up.exit_code, 0) << up.output;
   const Outcome job =
       Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out", "--wait"} + SmallJob() + farm.Options());
-  ASSERT_EQ(job.exit_code, 0) << job.output << ManagerLog();
+  ASSERT_EQ(job.exit_code, 0) << job.output << cluster_.ManagerLog();
   ExpectDepth("out");
-  ASSERT_EQ(Depthfarm(Words{"cluster", "down"} + State()).exit_code, 0) << ManagerLog();
+  ASSERT_EQ(cluster_.Call("down").exit_code, 0) << cluster_.ManagerLog();
   const auto workers = farm.client().ListWorkers();
   ASSERT_TRUE(workers.ok()) << "it must still be there";
   EXPECT_THAT(*workers, IsEmpty());
 }
 
 TEST_F(ClusterTest, WorkersThatCannotStartAreToldAndNotAskedForInHaste) {
-  const Outcome up = Up({"--workers", "1", "--worker-program", "/bin/false"});
+  const Outcome up = cluster_.Call("up", {"--workers", "1", "--worker-program", "/bin/false"});
   ASSERT_EQ(up.exit_code, 0) << up.output;
-  EXPECT_TRUE(WaitUntil([&] { return ManagerLog().find("no worker is started for 5 s") != std::string::npos; }))
-      << ManagerLog();
+  EXPECT_TRUE(WaitUntil([&] {
+    return cluster_.ManagerLog().find("no worker is started for 5 s") != std::string::npos;
+  })) << cluster_.ManagerLog();
 }
 
 TEST_F(ClusterTest, WhatCannotBeIsSaid) {
@@ -154,10 +144,10 @@ TEST_F(ClusterTest, WhatCannotBeIsSaid) {
       {{"--coordinator", "tcp://127.0.0.1:1"}, "keys"},
   };
   for (const Row& row : rows) {
-    const Outcome up = Up(row.options);
+    const Outcome up = cluster_.Call("up", row.options);
     EXPECT_NE(up.exit_code, 0) << row.expected;
     EXPECT_THAT(up.output, HasSubstr(row.expected));
-    EXPECT_EQ(Depthfarm(Words{"cluster", "status"} + State()).exit_code, 2) << row.expected;
+    EXPECT_EQ(cluster_.Call("status").exit_code, 2) << row.expected;
   }
   const Outcome run = Depthfarm({"run", sequence_, "-o", folder_ / "out", "--slots", "2"});
   EXPECT_EQ(run.exit_code, 2);
@@ -220,15 +210,15 @@ class SshTest : public ClusterTest {
 };
 
 TEST_F(SshTest, RunsAJobOnHostsThatSshReaches) {
-  const Outcome run =
-      Depthfarm(Words{"run", sequence_, "-o", folder_ / "out", "--workers", "1..2"} + State() + Ssh() + SmallJob());
+  const Outcome run = Depthfarm(Words{"run", sequence_, "-o", folder_ / "out", "--workers", "1..2"} +
+                                Words{"--state", folder_ / "run"} + Ssh() + SmallJob());
   ASSERT_EQ(run.exit_code, 0) << run.output << ReadFile(folder_ / "sshd.log");
   ExpectDepth("out");
-  EXPECT_THAT(ReadFile(folder_.path() / "cluster" / "log" / "worker-1.log"), HasSubstr("worker_stopped"));
+  EXPECT_THAT(ReadFile(folder_.path() / "run" / "log" / "worker-1.log"), HasSubstr("worker_stopped"));
 }
 
 TEST_F(SshTest, AHostWithoutRoomIsSaidBefore) {
-  const Outcome up = Up(Ssh() + Words{"--workers", "0..3"});
+  const Outcome up = cluster_.Call("up", Ssh() + Words{"--workers", "0..3"});
   EXPECT_EQ(up.exit_code, 1);
   EXPECT_THAT(up.output, HasSubstr("has room for 2 workers, --workers asks for up to 3"));
 }

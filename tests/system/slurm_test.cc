@@ -10,6 +10,7 @@
 #include <string>
 
 #include "coordinator/engines/command.h"
+#include "tests/system/managed_cluster.h"
 #include "tests/system/support.h"
 
 namespace depthfarm::system_test {
@@ -50,26 +51,13 @@ class SlurmTest : public testing::Test {
     expected_ = DepthOf(folder_ / "undisturbed");
   }
   void TearDown() override {
+    (void)cluster_.Call("down");  // of a test that failed: while its engine is there
     if (up_) Slurm({kLab, "down", lab_});
   }
 
-  Outcome Cluster(const std::string& action, const Words& options = {}) {
-    return Depthfarm(Words{"cluster", action, "--state", folder_ / "cluster"} + options);
-  }
-  nlohmann::json Status() { return ParseJsonTail(Cluster("status", {"--json"}).output); }
-  bool Comes(const std::function<bool(const nlohmann::json&)>& condition) {
-    return WaitUntil([&] {
-      const nlohmann::json status = Status();
-      return !status.is_discarded() && condition(status);
-    });
-  }
-  Words Target() {
-    const nlohmann::json status = Status();
-    return {"--coordinator", status.at("coordinator"), "--keys", status.at("keys")};
-  }
   static std::string Queue() { return Slurm({"squeue", "--noheader"}); }
   std::string Logs() {
-    std::string text = ReadFile(folder_.path() / "cluster" / "log" / "manager.log") + Queue() + Slurm({"sinfo", "-N"});
+    std::string text = cluster_.ManagerLog() + Queue() + Slurm({"sinfo", "-N"});
     return text + ReadFile(lab_ + "/log/slurmctld.log");
   }
   void ExpectDepth(const std::string& output) {
@@ -79,6 +67,7 @@ class SlurmTest : public testing::Test {
 
   static constexpr const char* kLab = DEPTHFARM_SLURM_LAB;
   TemporaryFolder folder_;
+  ManagedCluster cluster_{folder_.path() / "cluster"};
   std::string lab_;
   bool up_ = false;
   std::string sequence_;
@@ -117,16 +106,16 @@ void KillNode(const std::string& lab, const std::string& node, const std::string
 }
 
 TEST_F(SlurmTest, AClusterGrowsLosesANodeAndShrinks) {
-  const Outcome up = Cluster("up", {"--engine", "slurm", "--workers", "1..3", "--idle-seconds", "2", "--slots", "2",
-                                    "--cache-dir", folder_ / "cache", "--worker-memory", "2GB"});
+  const Outcome up = cluster_.Call("up", {"--engine", "slurm", "--workers", "1..3", "--idle-seconds", "2", "--slots",
+                                          "2", "--cache-dir", folder_ / "cache", "--worker-memory", "2GB"});
   ASSERT_EQ(up.exit_code, 0) << up.output << Logs();
-  ASSERT_TRUE(Comes([](const nlohmann::json& status) { return status.at("joined") == 1; })) << Logs();
-  const Words target = Target();
+  ASSERT_TRUE(cluster_.Comes([](const nlohmann::json& status) { return status.at("joined") == 1; })) << Logs();
+  const Words target = cluster_.Target();
   const Outcome job = Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out"} + job_ + target);
   ASSERT_EQ(job.exit_code, 0) << job.output;
   // Two slots have work at once: each pilot takes two of the four GOPs.
-  ASSERT_TRUE(Comes([](const nlohmann::json& status) { return status.at("pilots").size() >= 2; })) << Logs();
-  const nlohmann::json pilots = Status().at("pilots");
+  ASSERT_TRUE(cluster_.Comes([](const nlohmann::json& status) { return status.at("pilots").size() >= 2; })) << Logs();
+  const nlohmann::json pilots = cluster_.Status().at("pilots");
   const auto running = std::ranges::find_if(pilots, [](const nlohmann::json& pilot) { return pilot.at("running"); });
   ASSERT_NE(running, pilots.end());
   KillNode(lab_, running->at("host"), running->at("id"));
@@ -136,30 +125,30 @@ TEST_F(SlurmTest, AClusterGrowsLosesANodeAndShrinks) {
 
   // What is idle leaves, what Slurm has to start again somewhere is not needed; one worker stays and takes the next
   // job.
-  EXPECT_TRUE(Comes([](const nlohmann::json& status) {
+  EXPECT_TRUE(cluster_.Comes([](const nlohmann::json& status) {
     return status.at("joined") == 1 && status.at("pilots").size() == 1;
   })) << Logs();
   const Outcome next = Depthfarm(Words{"submit", sequence_, "-o", folder_ / "next", "--wait"} + job_ + target);
   EXPECT_EQ(next.exit_code, 0) << next.output << Logs();
   ExpectDepth("next");
-  EXPECT_EQ(Cluster("down").exit_code, 0) << Logs();
+  EXPECT_EQ(cluster_.Call("down").exit_code, 0) << Logs();
   EXPECT_TRUE(WaitUntil([] { return Queue().empty(); })) << Queue();
 }
 
 // The manager and the coordinator are a job of Slurm themselves; a worker is preempted and comes back with its cache.
 TEST_F(SlurmTest, AClusterOfBatchJobsAloneSurvivesPreemption) {
-  const Outcome up = Cluster("up", {"--engine", "slurm", "--workers", "1", "--batch", "--cache-dir", folder_ / "cache",
-                                    "--worker-memory", "2GB"});
+  const Outcome up = cluster_.Call("up", {"--engine", "slurm", "--workers", "1", "--batch", "--cache-dir",
+                                          folder_ / "cache", "--worker-memory", "2GB"});
   ASSERT_EQ(up.exit_code, 0) << up.output << Logs();
   EXPECT_THAT(Queue(), HasSubstr("depthfar"));
-  const Words target = Target();
+  const Words target = cluster_.Target();
   const Outcome job = Depthfarm(Words{"submit", sequence_, "-o", folder_ / "out", "--wait"} + job_ + target);
   ASSERT_EQ(job.exit_code, 0) << job.output << Logs();
   ExpectDepth("out");
 
-  const std::string pilot = Status().at("pilots").at(0).at("id");
+  const std::string pilot = cluster_.Status().at("pilots").at(0).at("id");
   EXPECT_EQ(Slurm({"scontrol", "requeue", pilot}), "");
-  const std::string log = folder_ / ("cluster/log/worker-" + pilot + ".log");
+  const std::filesystem::path log = cluster_.Log("worker-" + pilot);
   ASSERT_TRUE(WaitUntil([&] {
     return Depthfarm(Words{"workers", "--json"} + target).output.find("." + pilot + ".1\"") != std::string::npos;
   })) << Logs();
@@ -169,7 +158,7 @@ TEST_F(SlurmTest, AClusterOfBatchJobsAloneSurvivesPreemption) {
   ASSERT_EQ(again.exit_code, 0) << again.output << Logs();
   ExpectDepth("again");
 
-  EXPECT_EQ(Cluster("down").exit_code, 0) << Logs();
+  EXPECT_EQ(cluster_.Call("down").exit_code, 0) << Logs();
   EXPECT_TRUE(WaitUntil([] { return Queue().empty(); })) << Queue();
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/boot_time.h"
+#include "common/base/host_name.h"
 #include "common/base/machine_memory.h"
 #include "common/log/log.h"
 #include "common/log/log_collector.h"
@@ -26,15 +27,8 @@ namespace event = lifecycle_event;
 namespace action = lifecycle_action;
 
 constexpr Milliseconds kLongestWait{500};  // between looks at the parent process
-constexpr std::size_t kHostNameBytes = 256;
 
 TimePoint Now() { return BootTime(); }
-
-std::string HostName() {
-  std::array<char, kHostNameBytes> name{};
-  if (gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "localhost";
-  return name.data();
-}
 
 // Tells apart the workers of one host, and those of containers that share a host name and number their processes alike.
 std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_string(std::random_device()()); }

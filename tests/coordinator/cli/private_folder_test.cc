@@ -25,6 +25,16 @@ TEST(PrivateFolder, IsForThisUserAloneAndGoesWithAllThatIsInIt) {
   EXPECT_FALSE(fs::exists(path));
 }
 
+TEST(PrivateFolder, IsWhereItIsAskedFor) {
+  const PrivateFolder outer = PrivateFolder::Make().value();
+  {
+    const PrivateFolder inner = PrivateFolder::Make(outer.path()).value();
+    EXPECT_EQ(inner.path().parent_path(), outer.path());
+  }
+  EXPECT_TRUE(fs::is_empty(outer.path()));
+  EXPECT_EQ(PrivateFolder::Make(outer.path() / "missing").status().code(), ErrorCode::kUnavailable);
+}
+
 TEST(PrivateFolder, MovesWithoutBeingRemoved) {
   PrivateFolder first = PrivateFolder::Make().value();
   const fs::path path = first.path();
