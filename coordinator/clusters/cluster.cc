@@ -13,6 +13,8 @@
 #include <thread>
 #include <utility>
 
+#include "common/base/host_name.h"
+#include "common/base/machine_memory.h"
 #include "common/files/atomic_file.h"
 #include "common/text/utc_time.h"
 #include "common/transport/farm_keys.h"
@@ -36,11 +38,6 @@ constexpr int kMostRestarts = 5;
 constexpr std::size_t kTailBytes = 2000;
 constexpr std::uint64_t kMostLogBytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kMostHostsBytes = std::uint64_t{1} << 20;
-
-std::string HostName() {
-  std::array<char, 256> name = {};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
-}
 
 // A name that no other cluster has, here or elsewhere.
 std::string NewInstance(const std::string& cluster) {
@@ -154,6 +151,10 @@ Result<std::unique_ptr<Cluster>> Cluster::Start(const ClusterOptions& options, c
   DEPTHFARM_RETURN_IF_ERROR(CheckClusterOptions(options));
   std::unique_ptr<Cluster> cluster(new Cluster(options, folder, std::move(log)));
   ClusterOptions& effective = cluster->options_;
+  // Workers of this machine share its memory.
+  if (effective.engine == EngineKind::kLocal && effective.worker_memory_bytes == 0) {
+    effective.worker_memory_bytes = MachineMemory() / static_cast<std::uint64_t>(effective.workers.max);
+  }
   if (effective.worker_program.empty()) {
     DEPTHFARM_ASSIGN_OR_RETURN(const fs::path worker, SiblingProgram("depthfarm-worker"));
     effective.worker_program = worker.string();

@@ -302,24 +302,27 @@ std::vector<WorkerSnapshot> Scheduler::Workers() const {
   return snapshots;
 }
 
-void Scheduler::AddBacklog(JobId id, const JobRecord& job, Backlog& backlog) const {
-  backlog.leased += static_cast<std::uint64_t>(workers_.LeasesOf(id));
-  backlog.ready += job.progress->table().ready().size();
-  backlog.unopened_gops += static_cast<std::uint64_t>(job.progress->num_unopened_gops());
-}
-
-Backlog Scheduler::BacklogOf(const std::set<std::string>& tags) const {
+Backlog Scheduler::CountBacklog(const std::function<bool(const JobRecord&)>& counts) const {
   Backlog backlog;
   for (const auto& [id, job] : jobs_) {
-    if (std::ranges::includes(tags, job.tags)) AddBacklog(id, job, backlog);
+    if (!counts(job)) continue;
+    backlog.ready += job.progress->table().ready().size();
+    backlog.unopened_gops += static_cast<std::uint64_t>(job.progress->num_unopened_gops());
+  }
+  for (const auto& [id, lease] : workers_.leases()) {
+    const auto job = jobs_.find(lease.task.job);
+    // A task that two workers have wants one slot.
+    if (!lease.revoked && !lease.duplicate && job != jobs_.end() && counts(job->second)) ++backlog.leased;
   }
   return backlog;
 }
 
+Backlog Scheduler::BacklogOf(const std::set<std::string>& tags) const {
+  return CountBacklog([&tags](const JobRecord& job) { return std::ranges::includes(tags, job.tags); });
+}
+
 Backlog Scheduler::TotalBacklog() const {
-  Backlog backlog;
-  for (const auto& [id, job] : jobs_) AddBacklog(id, job, backlog);
-  return backlog;
+  return CountBacklog([](const JobRecord&) { return true; });
 }
 
 void Scheduler::Add(Action action) { actions_.push_back(std::move(action)); }

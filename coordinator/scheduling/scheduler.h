@@ -2,6 +2,7 @@
 #define DEPTHFARM_COORDINATOR_SCHEDULING_SCHEDULER_H_
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -206,7 +207,7 @@ class Scheduler {
   [[nodiscard]] JobSnapshot Snapshot(JobId id, const JobRecord& job) const;
   // Everything that an event may have made possible.
   void Advance();
-  void AddBacklog(JobId id, const JobRecord& job, Backlog& backlog) const;
+  [[nodiscard]] Backlog CountBacklog(const std::function<bool(const JobRecord&)>& counts) const;
 
   void Add(Action action);
   void AddEnd(LeaseId lease, const TaskId& task, AttemptOutcome outcome, const Status& error = {});

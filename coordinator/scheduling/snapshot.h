@@ -72,7 +72,7 @@ struct WorkerSnapshot {
 
 // What the running jobs that workers of some tags may work for want: how many slots would not be idle.
 struct Backlog {
-  std::uint64_t leased = 0;         // tasks that workers have
+  std::uint64_t leased = 0;         // tasks that workers have, each once
   std::uint64_t ready = 0;          // tasks that a free slot would get
   std::uint64_t unopened_gops = 0;  // each of them gives at least one ready task more when it is opened
 };

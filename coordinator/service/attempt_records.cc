@@ -34,14 +34,15 @@ void AttemptRecords::Report(WorkerId worker, LeaseId lease, const TaskId& task, 
   attempt.log = std::move(log);
 }
 
-void AttemptRecords::End(const AttemptEnded& end, TimePoint now) {
+TaskStats AttemptRecords::End(const AttemptEnded& end, TimePoint now) {
   const auto running = running_.find(end.lease);
-  if (running == running_.end()) return;
+  if (running == running_.end()) return {};
   OfJob& job = jobs_.at(running->second);
   AttemptRecord& attempt = job.attempts.at(end.lease);
   attempt.ended = now;
   attempt.outcome = end.outcome;
   attempt.error = end.error;
+  const TaskStats stats = attempt.stats;
   const bool failed = attempt.failed();
   LeaseQueue& queue = failed ? job.failed : job.well;
   queue.push_back(end.lease);
@@ -58,6 +59,7 @@ void AttemptRecords::End(const AttemptEnded& end, TimePoint now) {
     std::erase_if(with_text_,
                   [&](const auto& entry) { return !jobs_.at(entry.first).attempts.contains(entry.second); });
   }
+  return stats;
 }
 
 void AttemptRecords::ForgetOldest(OfJob& job, LeaseQueue& queue) {

@@ -292,7 +292,6 @@ void Coordinator::HandleTaskFinished(WorkerId worker, const v1::TaskFinished& me
   }
   Result<TaskFinished> result = ResultFromProto(worker, *task, message);
   if (result.ok()) {
-    cpu_seconds_[TaskKindName(task->kind)] += result->stats.cpu_seconds;
     Dispatch(std::move(result).value());
   } else {
     Dispatch(TaskFailed{worker, lease, *task, Internal("its result is malformed: " + result.status().message()), {}});

@@ -125,7 +125,7 @@ class Coordinator {
   void Do(const Note& action);
 
   // coordinator_metrics.cc
-  void Count(const AttemptEnded& action);
+  void Count(const AttemptEnded& action, const TaskStats& stats);
 
   void Send(const std::string& peer, v1::Envelope envelope);
   void SendTo(WorkerId worker, v1::Envelope envelope);

@@ -120,10 +120,7 @@ void Coordinator::Do(const JobEnded& action) {
   for (const JobId id : forgotten) Dispatch(JobForgotten{id});
 }
 
-void Coordinator::Do(const AttemptEnded& action) {
-  Count(action);
-  attempts_.End(action, now_);
-}
+void Coordinator::Do(const AttemptEnded& action) { Count(action, attempts_.End(action, now_)); }
 
 void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }
 

@@ -32,8 +32,12 @@ const char* Word(AttemptOutcome outcome) {
 
 }  // namespace
 
-void Coordinator::Count(const AttemptEnded& action) {
-  ++attempts_ended_[{TaskKindName(action.task.kind), Word(action.outcome)}];
+void Coordinator::Count(const AttemptEnded& action, const TaskStats& stats) {
+  const std::string kind = TaskKindName(action.task.kind);
+  ++attempts_ended_[{kind, Word(action.outcome)}];
+  if (action.outcome == AttemptOutcome::kDone || action.outcome == AttemptOutcome::kReused) {
+    cpu_seconds_[kind] += stats.cpu_seconds;
+  }
 }
 
 FarmMetrics Coordinator::Metrics() const {

@@ -61,6 +61,7 @@ TEST_F(Duplicates, AreOfWhatTakesTooLongForAWorkerThatIsIdle) {
   EXPECT_EQ(farm_.scheduler.Job(JobId(1))->duplicates, 1U);
   EXPECT_TRUE(farm_.scheduler.IsDuplicate(grant.lease));
   EXPECT_FALSE(farm_.scheduler.IsDuplicate(late_.lease));
+  EXPECT_EQ(farm_.scheduler.TotalBacklog().leased, 1U) << "one task, whoever has it";
 }
 
 TEST_F(Duplicates, TheFirstResultCountsAndTheOtherAttemptIsRevoked) {
