@@ -58,7 +58,8 @@ struct Options {
   std::map<std::string, std::string> estimation;
   int threads = 0;      // 0: as many as the processor has
   std::string scratch;  // folder for intermediate files, emptied again; empty: the system's for temporary files
-  // Called several times a second by the thread of the call; false cancels.
+  // Called by the thread of the call before anything is computed, several times a second, and once more when all is
+  // done; false cancels what is not done yet.
   std::function<bool(const Progress&)> progress;
 };
 

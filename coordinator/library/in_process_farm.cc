@@ -132,6 +132,7 @@ class Farm {
 
   JobSnapshot Run() {
     Tell(JobSubmitted{job_, job_.config.sequence_name});
+    AskWhetherToGoOn();  // before anything is computed: however short the job, one that is not wanted is cancelled
     Tell(WorkerJoined{kWorker, "here", {}, {}, options_.slots});
     Ask();
     auto told = SteadyClock::now();
@@ -143,17 +144,21 @@ class Farm {
       // Leases of a worker that is heard of go on.
       Tell(WorkerHeard{kWorker, ++heartbeats_, slots_.Running()});
       Carry(scheduler_.Tick(now));
-      const std::optional<JobSnapshot> job = scheduler_.Job(job_.config.job);
-      if (!cancelled_ && options_.go_on && job && !options_.go_on(*job)) {
-        cancelled_ = true;
-        Tell(JobCancelled{job_.config.job});
-      }
+      AskWhetherToGoOn();
     }
+    if (result_->state == JobState::kDone && options_.go_on) options_.go_on(*result_);
     return std::move(*result_);
   }
 
  private:
   void Tell(const Event& event) { Carry(scheduler_.Handle(event, SteadyClock::now())); }
+
+  void AskWhetherToGoOn() {
+    const std::optional<JobSnapshot> job = scheduler_.Job(job_.config.job);
+    if (result_ || cancelled_ || !options_.go_on || !job || options_.go_on(*job)) return;
+    cancelled_ = true;
+    Tell(JobCancelled{job_.config.job});
+  }
 
   // The newest ask may be answered by one task.
   void Ask() {

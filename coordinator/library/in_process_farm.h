@@ -16,7 +16,8 @@ struct InProcessOptions {
   int slots = 1;                // tasks computed at a time, each on one thread
   std::uint64_t store_bytes = std::uint64_t{1} << 40;
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;  // of decoded artifacts
-  // Asked several times a second, in the thread of the call; false cancels the job. Empty: not asked.
+  // Asked before anything is computed and several times a second, in the thread of the call; false cancels the job.
+  // Told once more when the job is done, whatever it answers. Empty: not asked.
   std::function<bool(const JobSnapshot&)> go_on = {};
 };
 

@@ -187,7 +187,8 @@ frames     of each frame a list with a picture of each camera: height x width (g
 z_near, z_far   depth range along the axis of the reference camera
 reference  name of a camera; default: the central one
 threads    0: as many as the processor has; depth is the same for any number
-progress   called several times a second with (done from 0 to 1, frames done, frames); False cancels
+progress   called first, several times a second and at the end with (done from 0 to 1, frames done, frames); False
+           cancels
 **options  estimation options of `depthfarm run --help`, with _ for -: preset="fast", levels=64, confidence=True
 
 Returns, of each frame, a list with a dict of each camera: "z", height x width float32, depth along the camera's own

@@ -94,8 +94,9 @@ class EstimateDepth(unittest.TestCase):
         depthfarm.estimate_depth(cameras, [pictures] * 4, threads=1, progress=lambda *now: seen.append(now), **SMALL)
         self.assertTrue(seen)
         self.assertEqual([now[0] for now in seen], sorted(now[0] for now in seen))
-        self.assertEqual(seen[-1][2], 4)
-        self.assertEqual(depthfarm.estimate_depth(cameras, [pictures] * 4, progress=lambda *now: False, **SMALL), [])
+        self.assertEqual(seen[0], (0, 0, 4))
+        self.assertEqual(seen[-1], (1, 4, 4))
+        self.assertEqual(depthfarm.estimate_depth(cameras, [pictures], progress=lambda *now: False, **SMALL), [])
 
         def fail(*_):
             raise KeyError("mine")
