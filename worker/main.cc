@@ -13,9 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "common/files/atomic_file.h"
+#include "common/files/file_confinement.h"
 #include "common/log/log.h"
 #include "common/log/log_collector.h"
 #include "common/transport/descriptor_limit.h"
+#include "common/transport/endpoint.h"
 #include "common/wire/bounds.h"
 #include "worker/service/worker_service.h"
 
@@ -106,12 +109,36 @@ int Fail(const Status& status, int code) {
   return code;
 }
 
+// Gives up the right to open what neither jobs nor this worker need. Before the first thread starts.
+Status ConfineTo(const WorkerOptions& options) {
+  if (options.cache_dir.empty())
+    return InvalidArgument("--read-root and --write-root need a --cache-dir: they leave no other folder to write to");
+  DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(options.cache_dir.string()));
+  FileAccess access{options.roots.read(), options.roots.write(), {}};
+  access.write.push_back(options.cache_dir);
+  if (!options.keys.empty()) access.read.push_back(options.keys);
+  // Other workers fetch through a socket there.
+  for (const std::string& endpoint : {options.coordinator, options.artifact_listen}) {
+    if (endpoint.empty()) continue;
+    DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint parsed, ParseEndpoint(endpoint));
+    if (parsed.kind != Endpoint::Kind::kIpc) continue;
+    const std::filesystem::path folder = std::filesystem::absolute(parsed.path).parent_path();
+    access.sockets.push_back(parsed.path == "*" ? std::filesystem::temp_directory_path() : folder);
+  }
+  return ConfineFiles(access);
+}
+
 int RunWorker(WorkerOptions options) {
   // Threads that compute come and go: each would keep a heap of its own with all that was freed there. They allocate
   // rarely enough for those of a slot to share one.
-  mallopt(M_ARENA_MAX, options.slots);
+  mallopt(M_ARENA_MAX, options.slots);  // NOLINT(concurrency-mt-unsafe): before the first thread
   InstallSignalHandlers(!options.keys.empty());
   RaiseDescriptorLimit();
+  if (options.roots.confined()) {
+    const Status confined = ConfineTo(options);
+    if (!confined.ok())
+      return Fail(confined, confined.code() == ErrorCode::kInvalidArgument ? kExitBadUsage : kExitFailed);
+  }
   TemporaryCache cache;
   if (options.cache_dir.empty()) {
     const Status made = cache.Make();
@@ -157,6 +184,8 @@ int main(int argc, char** argv) {
   std::string keys;
   std::string cache_dir;
   std::vector<std::string> path_map;
+  std::vector<std::string> read_roots;
+  std::vector<std::string> write_roots;
   std::string log_level = "info";
   double give_up_seconds = 0;
   double stop_grace_seconds = 0;
@@ -196,6 +225,14 @@ int main(int argc, char** argv) {
                  "longest FROM counts")
       ->type_name("FROM=TO")
       ->allow_extra_args(false);
+  app.add_option("--read-root", read_roots,
+                 "jobs may read below this folder of this host, wherever links lead, and nowhere else but below those "
+                 "of --write-root; may be repeated; without any they may read and write what this account can")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  app.add_option("--write-root", write_roots, "jobs may write below this folder and nowhere else; may be repeated")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   app.add_option("--tags", options.tags, "what this worker has, for jobs submitted with --require, e.g. fast,room2")
       ->delimiter(',');
   app.add_option("--threads", options.threads, "threads that compute a task; results are the same for any number")
@@ -226,6 +263,9 @@ int main(int argc, char** argv) {
   Result<PathMap> paths = PathMap::Parse(path_map);
   if (!paths.ok()) return Fail(paths.status(), kExitBadUsage);
   options.paths = std::move(*paths);
+  Result<FileRoots> roots = FileRoots::Of(read_roots, write_roots);
+  if (!roots.ok()) return Fail(roots.status(), kExitBadUsage);
+  options.roots = std::move(*roots);
   options.keys = keys;
   options.cache_dir = cache_dir;
   options.stop_grace = Milliseconds(static_cast<std::int64_t>(stop_grace_seconds * 1000));

@@ -20,6 +20,7 @@
 #include "common/media/depth_file.h"
 #include "common/media/guide_files.h"
 #include "common/media/picture_reader.h"
+#include "common/sequence/output_layout.h"
 #include "worker/confidence/confidence.h"
 #include "worker/confidence/confidence_codec.h"
 #include "worker/estimation/estimation.h"
@@ -46,6 +47,7 @@ struct TaskExecutor::Task {
   const std::stop_token& stop;
   const StillLeased& still_leased;
   TaskInputs& inputs;
+  const FileRoots& roots;
 
   [[nodiscard]] const ResolvedJob& job() const { return config.resolved; }
   [[nodiscard]] int SequenceFrame() const { return job().params.first_frame + spec.id.frame; }
@@ -53,6 +55,7 @@ struct TaskExecutor::Task {
     return config.render ? "part " + std::to_string(spec.id.frame) : "frame " + std::to_string(SequenceFrame());
   }
   [[nodiscard]] Result<OutputFolder> Output() const {
+    DEPTHFARM_RETURN_IF_ERROR(roots.CheckWrite(config.output_dir));
     return OutputFolder::At(config.output_dir, config.render ? OutputContent::kViews : OutputContent::kDepth,
                             {.run = config.claim, .still_leased = still_leased});
   }
@@ -138,7 +141,7 @@ TaskOutcome TaskExecutor::Execute(const TaskSpec& spec, const JobConfig& config,
   try {
     outcome.pins = std::make_shared<std::vector<ArtifactPins>>();
     outcome.pins->push_back(store_.Pin(KeysOf(spec)));
-    outcome.status = Run({spec, config, stop, still_leased, inputs}, outcome);
+    outcome.status = Run({spec, config, stop, still_leased, inputs, roots_}, outcome);
   } catch (const std::bad_alloc&) {
     outcome.status = Unavailable(TaskName(spec.id) + ": no memory left on this worker");
   } catch (const std::exception& error) {
@@ -284,7 +287,10 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
                                                             : ": expected no analysis of another frame"));
   }
   const ReadFile read = [&](const std::string& file, const std::optional<FileDigest>& upload) -> Result<std::string> {
-    if (!task.spec.uploads) return ReadFileBytes(file, kMaxGuideBytes);
+    if (!task.spec.uploads) {
+      DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(file));
+      return ReadFileBytes(file, kMaxGuideBytes);
+    }
     return ReadUpload(store_, fetcher_, upload.value_or(FileDigest()), task.spec.uploads->from, file, task.stop,
                       outcome.stats.fetched_bytes);
   };
@@ -297,6 +303,7 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
       digests = DigestsOf(task.spec.uploads->files);
     } else {
       DEPTHFARM_ASSIGN_OR_RETURN(guides, ReadGuides(read, task.spec));
+      DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(path));
       DEPTHFARM_ASSIGN_OR_RETURN(bytes, ReadPictureBytes(path, view.format, view.source_width, view.source_height));
       digests = {.picture = Sha256(bytes),
                  .mask = DigestOf(guides.mask),
@@ -512,9 +519,11 @@ Status TaskExecutor::Stage(const Task& task, std::string path, std::string bytes
   return {};
 }
 
-Status TaskExecutor::Render(const Task& task, TaskOutcome& outcome) {
+Status TaskExecutor::Render(const Task& task, TaskOutcome& outcome) const {
   DEPTHFARM_RETURN_IF_ERROR(task.Output().status());  // before anything is read
   const RenderSource& source = *task.config.render;
+  DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(task.config.sequence_file));
+  DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(source.depth_dir + "/" + kDepthManifestName));
   DEPTHFARM_ASSIGN_OR_RETURN(const RenderSource found, RenderSourceOf(source.depth_dir));
   if (found.manifest_sha256 != source.manifest_sha256) {
     return InvalidArgument(source.depth_dir +
@@ -527,6 +536,7 @@ Status TaskExecutor::Render(const Task& task, TaskOutcome& outcome) {
   for (const VirtualPicture& picture : task.spec.views) {
     if (task.stop.stop_requested()) return Cancelled();
     DEPTHFARM_ASSIGN_OR_RETURN(const VirtualView view, FindSources(input, picture));
+    for (const std::string& file : FilesOf(input, view)) DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(file));
     DEPTHFARM_RETURN_IF_ERROR(sources.Load(std::span(&view, 1), 1));
     DEPTHFARM_ASSIGN_OR_RETURN(const SynthesizedView rendered, sources.Render(view));
     DEPTHFARM_ASSIGN_OR_RETURN(std::string png, EncodeRgbPng(ToRgb(rendered.picture)));

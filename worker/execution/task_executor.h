@@ -6,9 +6,11 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "common/base/status.h"
+#include "common/files/file_roots.h"
 #include "common/job/task_spec.h"
 #include "worker/artifacts/memory_cache.h"
 #include "worker/artifacts/store.h"
@@ -41,10 +43,13 @@ struct TaskOutcome {
 class TaskExecutor {
  public:
   // All must outlive the executor. `threads`, >= 1: on how many a task is computed; results are the same for any.
-  TaskExecutor(ArtifactStore& store, MemoryCache& cache, ArtifactFetcher& fetcher, int threads = 1)
-      : store_(store), cache_(cache), fetcher_(fetcher), threads_(threads) {}
+  // `roots`: where tasks may read and write.
+  TaskExecutor(ArtifactStore& store, MemoryCache& cache, ArtifactFetcher& fetcher, int threads = 1,
+               FileRoots roots = {})
+      : store_(store), cache_(cache), fetcher_(fetcher), threads_(threads), roots_(std::move(roots)) {}
 
-  // Never throws. Errors name camera and frame (of the sequence): kInvalidArgument: the job or its pictures are wrong;
+  // Never throws. Errors name camera and frame (of the sequence): kInvalidArgument: the job or its pictures are wrong,
+  // or outside of the roots;
   // kIncompatible: the job pins another algorithm version; kUnavailable: an input, a file, the disk or memory is out of
   // reach here; kCancelled, within a second after `stop` is requested.
   // kLeaseExpired: `still_leased` said no before something was written that others see.
@@ -71,7 +76,7 @@ class TaskExecutor {
   [[nodiscard]] Status Refine(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Assess(const Task& task, TaskOutcome& outcome);
   [[nodiscard]] Status Emit(const Task& task, TaskOutcome& outcome);
-  [[nodiscard]] static Status Render(const Task& task, TaskOutcome& outcome);
+  [[nodiscard]] Status Render(const Task& task, TaskOutcome& outcome) const;
   [[nodiscard]] Status Commit(const Task& task);
   [[nodiscard]] Status Manifest(const Task& task);
   [[nodiscard]] Status EmitRefined(const Task& task, MadeFiles& made) const;
@@ -98,6 +103,7 @@ class TaskExecutor {
   MemoryCache& cache_;
   ArtifactFetcher& fetcher_;
   const int threads_;
+  const FileRoots roots_;
   FloorMemory floors_;
   ViewMemory refining_;
   PassedRounds passed_rounds_;

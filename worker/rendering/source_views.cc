@@ -33,6 +33,19 @@ Result<VirtualView> FindSources(const SequenceWithDepth& input, const VirtualPic
   return view;
 }
 
+std::vector<std::string> FilesOf(const SequenceWithDepth& input, const VirtualView& view) {
+  std::vector<std::string> files;
+  for (const int source : view.sources) {
+    const SequenceWithDepth::View& of = input.views[static_cast<std::size_t>(source)];
+    const auto frame = static_cast<std::size_t>(view.frame);
+    if (frame < of.in_sequence->images.size()) files.push_back(of.in_sequence->images[frame]);
+    const std::size_t position = frame - static_cast<std::size_t>(input.manifest.first_frame);
+    if (of.depth != nullptr && position < of.depth->files.size())
+      files.push_back((std::filesystem::path(input.depth_dir) / of.depth->files[position].path).string());
+  }
+  return files;
+}
+
 VirtualPicture ToPicture(const SequenceWithDepth& input, const VirtualView& view) {
   VirtualPicture picture{view.camera, view.frame, {}, view.number};
   for (const int source : view.sources) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct VirtualView {
 // The picture as seen from `input`. kInvalidArgument: a source that is not there or has no depth, a frame without
 // depth.
 [[nodiscard]] Result<VirtualView> FindSources(const SequenceWithDepth& input, const VirtualPicture& picture);
+// Pictures and depth files that the view is made from; those that are not there are left out.
+[[nodiscard]] std::vector<std::string> FilesOf(const SequenceWithDepth& input, const VirtualView& view);
 // The other way round, for a job.
 [[nodiscard]] VirtualPicture ToPicture(const SequenceWithDepth& input, const VirtualView& view);
 

@@ -112,8 +112,8 @@ Status WorkerService::OpenArtifacts(const std::optional<WorkerKeys>& keys) {
         std::make_unique<PeerFetcher>(ArtifactClient(context_, curve ? keys->own : CurveKeys{}, fetch)));
   }
   for (int slot = 0; slot < options_.slots; ++slot) {
-    executors_.push_back(
-        std::make_unique<TaskExecutor>(*store_, *cache_, *fetchers_[static_cast<std::size_t>(slot)], options_.threads));
+    executors_.push_back(std::make_unique<TaskExecutor>(*store_, *cache_, *fetchers_[static_cast<std::size_t>(slot)],
+                                                        options_.threads, options_.roots));
   }
   return {};
 }

@@ -12,6 +12,7 @@
 
 #include "common/base/machine_memory.h"
 #include "common/base/status.h"
+#include "common/files/file_roots.h"
 #include "common/files/path_map.h"
 #include "common/transport/client_channel.h"
 #include "common/transport/context.h"
@@ -42,6 +43,7 @@ struct WorkerOptions {
   std::uint64_t task_memory_bytes = 0;                 // for its tasks; 0: TaskMemory of this machine, alone
   int ahead = 1;                                       // tasks taken besides, to fetch their inputs meanwhile
   PathMap paths;                                       // where this host has what jobs name
+  FileRoots roots;                                     // of this host's folders, where jobs may read and write
   std::string name;                                    // empty: host:pid:random
   std::string artifact_listen;                         // empty: DefaultArtifactEndpoint
   std::string advertise;                               // host name for peers; empty: this host's name, or as bound
