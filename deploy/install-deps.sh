@@ -15,7 +15,7 @@ build_libraries=(
   libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
   libzmq3-dev cppzmq-dev
   libprotobuf-dev
-  libssl-dev libzstd-dev libsqlite3-dev
+  libssl-dev libzstd-dev libdeflate-dev libsqlite3-dev
   libavcodec-dev libavformat-dev libavutil-dev
   nlohmann-json3-dev libcli11-dev libspdlog-dev
   prometheus-cpp-dev libcpp-httplib-dev

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "common/image/colour_conversion.h"
-#include "common/media/image_codec.h"
+#include "common/media/png_encoder.h"
 
 namespace depthfarm {
 namespace {

@@ -12,7 +12,7 @@
 
 namespace depthfarm {
 
-// 16-bit PNG of depth codes (0 = no depth). Byte-deterministic for one version of libpng and zlib: see EncodePng.
+// 16-bit PNG of depth codes (0 = no depth). Byte-deterministic for one version of libdeflate: see EncodePng.
 [[nodiscard]] Result<std::string> EncodeDepthPng(const Grid<std::uint16_t>& codes);
 // The same from inverse depths (1/z, anything not > 0 = no depth) or depths (z, 0 = no depth).
 [[nodiscard]] Result<std::string> EncodeInverseDepthPng(const Grid<float>& inverse_depth, const DepthCode& code);

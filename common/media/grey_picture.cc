@@ -4,6 +4,7 @@
 
 #include "common/files/atomic_file.h"
 #include "common/media/image_codec.h"
+#include "common/media/png_encoder.h"
 
 namespace depthfarm {
 namespace {

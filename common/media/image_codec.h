@@ -9,7 +9,7 @@
 
 namespace depthfarm {
 
-// The only calls of OpenCV's codecs, with its exceptions turned into Status. Used within common/media only: the other
+// The only call of OpenCV's codecs, with its exceptions turned into Status. Used within common/media only: the other
 // headers of the folder do not show OpenCV.
 
 // Decodes an image file held in memory as stored: no rotation by EXIF, no change of depth; palettes are expanded.
@@ -18,10 +18,6 @@ namespace depthfarm {
 // lower rows as they are), more pixels than so few bytes can hold (64 MiB and 9,000 decoded bytes for each), other
 // sample types. kUnavailable: no memory.
 [[nodiscard]] Result<cv::Mat> DecodeImage(std::string_view bytes);
-
-// PNG of an 8- or 16-bit image with 1 or 3 channels. Compression level 4, default strategy, libpng's own choice of
-// filters, no time stamp and no text: equal images give equal bytes with equal versions of libpng and zlib.
-[[nodiscard]] Result<std::string> EncodePng(const cv::Mat& image);
 
 // Whether a JPEG's marker segments and scans run up to its end-of-image marker.
 [[nodiscard]] bool IsCompleteJpeg(std::string_view bytes);

@@ -3,7 +3,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "common/media/image_codec.h"
+#include "common/media/png_encoder.h"
 
 namespace depthfarm {
 namespace {

@@ -2,10 +2,13 @@
 // loopback and talks to nobody else. The machine's other load shows in wall times, hardly in CPU seconds.
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -15,6 +18,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -42,7 +46,14 @@ constexpr int kHandshakeRounds = 4;
 constexpr int kMessages = 20'000;
 constexpr int kMessagesUnderWay = 500;
 constexpr int kFewDescriptors = 256;
+constexpr int kConnectionsAtOnce = 50;  // fewer than wait to be accepted
+constexpr milliseconds kBetweenConnections{5};
+constexpr int kStrangersAtOnce = 100;  // beside a job
+constexpr int kSilentAtOnce = 300;
+constexpr std::size_t kJobs = 3;  // of each kind
+constexpr int kFarmCore = 0;      // of coordinator and worker, where strangers have the next one
 constexpr seconds kPatience{60};
+constexpr seconds kJobPatience{600};
 
 [[noreturn]] void Die(const std::string& what) {
   std::fprintf(stderr, "depthfarm-hostile: %s\n", what.c_str());
@@ -85,15 +96,17 @@ class Folder {
   fs::path path_;
 };
 
-// A coordinator in a process of its own, with keys; `descriptors`: its limit, 0: this process's.
+std::string OnFarmCore() { return "exec taskset -c " + std::to_string(kFarmCore) + " "; }
+
+// A coordinator in a process of its own, with keys; `before`: what the shell does first, `exec` at the end.
 class Target {
  public:
-  Target(const Folder& folder, const std::string& name, int descriptors) {
+  Target(const Folder& folder, const std::string& name, const std::string& before = "exec ") {
     log_ = folder.path() / (name + ".log");
-    std::string command = descriptors > 0 ? "ulimit -n " + std::to_string(descriptors) + " && " : "";
-    command += "exec '" DEPTHFARM_PROGRAM_DIR
-               "/depthfarm-coordinator' --listen 'tcp://127.0.0.1:*' --journal none --keys '" +
-               folder.keys() + "'";
+    const std::string command = before +
+                                "'" DEPTHFARM_PROGRAM_DIR
+                                "/depthfarm-coordinator' --listen 'tcp://127.0.0.1:*' --journal none --keys '" +
+                                folder.keys() + "'";
     Result<ChildProcess> process = ChildProcess::Start("/bin/sh", {"-c", command}, log_);
     if (!process.ok()) Die(process.status().message());
     process_ = std::make_unique<ChildProcess>(std::move(*process));
@@ -150,8 +163,10 @@ class SilentConnections {
   SilentConnections(const SilentConnections&) = delete;
   SilentConnections& operator=(const SilentConnections&) = delete;
 
+  // As fast as they can be accepted: of more at once the system would drop some, to try again a second later.
   void Open(int count) {
     for (int i = 0; i < count; ++i) {
+      if (i % kConnectionsAtOnce == kConnectionsAtOnce - 1) std::this_thread::sleep_for(kBetweenConnections);
       const int fd = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
       if (fd < 0) Die("no descriptor is left for connection " + std::to_string(open_.size() + 1));
       (void)::connect(fd, reinterpret_cast<const sockaddr*>(&address_), sizeof(address_));  // goes on by itself
@@ -168,19 +183,26 @@ class SilentConnections {
   std::vector<int> open_;
 };
 
+// Strangers of a wrong key that come for the first time, `count` of them.
+std::vector<std::unique_ptr<ClientChannel>> Strangers(TransportContext& context, const ClientKeys& farm,
+                                                      const std::string& endpoint, int count) {
+  std::vector<std::unique_ptr<ClientChannel>> strangers;
+  for (int i = 0; i < count; ++i) {
+    const ClientOptions options{.curve_server_public_key = farm.coordinator_public_key,
+                                .curve_own = GenerateCurveKeys().value(),
+                                .linger = milliseconds(0)};
+    strangers.push_back(ClientChannel::Connect(context, endpoint, options).value());
+  }
+  return strangers;
+}
+
 void MeasureHandshakes(const Folder& folder, const Target& target) {
   const ClientKeys farm = ReadClientKeys(folder.keys()).value();
   ProcessMeter meter(target.process());
   meter.Start();
   for (int round = 0; round < kHandshakeRounds; ++round) {
     TransportContext context;
-    std::vector<std::unique_ptr<ClientChannel>> strangers;
-    for (int i = 0; i < kHandshakes; ++i) {
-      const ClientOptions options{.curve_server_public_key = farm.coordinator_public_key,
-                                  .curve_own = GenerateCurveKeys().value(),
-                                  .linger = milliseconds(0)};
-      strangers.push_back(ClientChannel::Connect(context, target.endpoint(), options).value());
-    }
+    const auto strangers = Strangers(context, farm, target.endpoint(), kHandshakes);
     target.AwaitQuiet();
   }
   constexpr int kAll = kHandshakes * kHandshakeRounds;
@@ -245,6 +267,98 @@ void MeasureExhaustion(const Target& target) {
       kFewDescriptors, 100 * cpu, target.ServesAfter());
 }
 
+// This process and the threads it starts, on the next core.
+void LeaveTheFarmCore() {
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  CPU_SET(kFarmCore + 1, &cores);
+  if (::sched_setaffinity(0, sizeof(cores), &cores) != 0) Die("there are no two cores");
+}
+
+// Wrong keys and silent connections, again and again, while it lives.
+class Siege {
+ public:
+  Siege(const Folder& folder, const Target& target)
+      : thread_([this, farm = ReadClientKeys(folder.keys()).value(), endpoint = target.endpoint(),
+                 port = target.port()](const std::stop_token& stop) {
+          while (!stop.stop_requested()) {
+            SilentConnections silent(port);
+            silent.Open(kSilentAtOnce);
+            TransportContext context;
+            const auto strangers = Strangers(context, farm, endpoint, kStrangersAtOnce);
+            std::this_thread::sleep_for(milliseconds(100));
+            came_ += kStrangersAtOnce;
+          }
+        }) {}
+  [[nodiscard]] int came() const { return came_; }
+
+ private:
+  std::atomic<int> came_{0};
+  std::jthread thread_;
+};
+
+std::string Quoted(const fs::path& path) { return "'" + path.string() + "'"; }
+
+void RunToItsEnd(const std::string& command, const fs::path& log) {
+  Result<ChildProcess> process = ChildProcess::Start("/bin/sh", {"-c", command}, log);
+  if (!process.ok()) Die(process.status().message());
+  const std::optional<ProcessEnd> end = process->WaitFor(kJobPatience);
+  if (!end || !end->ok()) Die(command + ": " + ReadText(log));
+}
+
+// Seconds of wall a job takes on a worker that computed nothing yet.
+double JobSeconds(const Folder& folder, const Target& farm, const std::string& name) {
+  const std::string programs = DEPTHFARM_PROGRAM_DIR;
+  const std::string access = " --coordinator " + farm.endpoint() + " --keys " + Quoted(folder.keys());
+  Result<ChildProcess> worker =
+      ChildProcess::Start("/bin/sh",
+                          {"-c", OnFarmCore() + Quoted(programs + "/depthfarm-worker") + access + " --cache-dir " +
+                                     Quoted(folder.path() / (name + "-cache"))},
+                          folder.path() / (name + ".log"));
+  if (!worker.ok()) Die(worker.status().message());
+  const auto start = Clock::now();
+  RunToItsEnd("exec " + Quoted(programs + "/depthfarm") + " submit " + Quoted(folder.path() / "scene/sequence.json") +
+                  " --wait -o " + Quoted(folder.path() / name) + access,
+              folder.path() / (name + "-submit.log"));
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+double Median(std::array<double, kJobs> values) {
+  std::ranges::sort(values);
+  return values[kJobs / 2];
+}
+
+// A job of which worker and coordinator share a core, alone and while strangers have the next core for themselves, in
+// turn: what it loses is what the coordinator spends on them.
+void MeasureJob(const Folder& folder) {
+  RunToItsEnd("exec '" DEPTHFARM_PROGRAM_DIR
+              "/depthfarm' scene arc --cameras 4 --size 480x360 --frames 4 --seed 5 -o " +
+                  Quoted(folder.path() / "scene"),
+              folder.path() / "scene.log");
+  LeaveTheFarmCore();
+  const Target farm(folder, "farm", OnFarmCore());
+  std::array<double, kJobs> alone{};
+  std::array<double, kJobs> besieged{};
+  double cpu = 0;
+  double under_siege = 0;
+  int came = 0;
+  for (std::size_t i = 0; i < kJobs; ++i) {
+    alone[i] = JobSeconds(folder, farm, "alone-" + std::to_string(i));
+    ProcessMeter meter(farm.process());
+    meter.Start();
+    const Siege siege(folder, farm);
+    besieged[i] = JobSeconds(folder, farm, "besieged-" + std::to_string(i));
+    cpu += meter.CpuSeconds();
+    under_siege += besieged[i];
+    came += siege.came();
+  }
+  std::printf(
+      "a job on the coordinator's core: %.2f s alone, %.2f s while %.0f strangers a second come, %.2f times (medians "
+      "of %zu); the coordinator takes %.0f %% of the core\n",
+      Median(alone), Median(besieged), came / under_siege, Median(besieged) / Median(alone), kJobs,
+      100 * cpu / under_siege);
+}
+
 }  // namespace
 }  // namespace depthfarm::benchmarks
 
@@ -253,7 +367,7 @@ int main() {
   using namespace depthfarm::benchmarks;  // NOLINT(google-build-using-namespace)
   const std::uint64_t limit = RaiseDescriptorLimit();
   const Folder folder;
-  const Target target(folder, "coordinator", 0);
+  const Target target(folder, "coordinator");
   std::printf("descriptors: %llu; an ordinary client is served after %.3f s\n", static_cast<unsigned long long>(limit),
               target.ServesAfter());
   MeasureHandshakes(folder, target);
@@ -264,7 +378,8 @@ int main() {
   for (const int count : {1'000, 10'000}) {
     if (static_cast<std::uint64_t>(count) + kFewDescriptors < limit) MeasureSilent(target, count);
   }
-  const Target small(folder, "small", kFewDescriptors);
+  const Target small(folder, "small", "ulimit -n " + std::to_string(kFewDescriptors) + " && exec ");
   MeasureExhaustion(small);
+  MeasureJob(folder);
   return 0;
 }

@@ -20,6 +20,7 @@
 #include "worker/optimization/belief_start.h"
 #include "worker/optimization/level_search.h"
 #include "worker/refinement/refine.h"
+#include "worker/segmentation/describe.h"
 #include "worker/segmentation/label_codec.h"
 #include "worker/segmentation/snic.h"
 
@@ -33,6 +34,15 @@ void MeasureSnic(benchmark::State& state, MeasuredFrames& frames) {
         SegmentSnic(picture, frames.workload().snic_segments, EstimationParams().snic_compactness).value());
   }
   state.counters["segments"] = frames.workload().snic_segments;
+  state.counters["pixels"] = static_cast<double>(picture.size());
+}
+
+// Means, centres and adjacency of segments that are known.
+void MeasureDescription(benchmark::State& state, MeasuredFrames& frames) {
+  const YcbcrImage& picture = frames.FirstPicture();
+  const Grid<SegmentIndex> labels =
+      SegmentSnic(picture, frames.workload().snic_segments, EstimationParams().snic_compactness).value();
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(DescribeSegments(labels, picture));
   state.counters["pixels"] = static_cast<double>(picture.size());
 }
 
@@ -226,6 +236,7 @@ void RegisterStageBenchmarks(MeasuredFrames& frames, bool& failed) {
     benchmark::RegisterBenchmark(name.c_str(), measure)->Unit(benchmark::kMillisecond);
   };
   add("SegmentSnic", [&frames](benchmark::State& state) { MeasureSnic(state, frames); });
+  add("DescribeSegments", [&frames](benchmark::State& state) { MeasureDescription(state, frames); });
   add("EncodeLabels", [&frames](benchmark::State& state) { MeasureLabels(state, frames, true); });
   add("DecodeLabels", [&frames](benchmark::State& state) { MeasureLabels(state, frames, false); });
   add("MatchesOnLevels/floors_unknown", [&frames](benchmark::State& state) { MeasureMatching(state, frames, false); });

@@ -1,6 +1,7 @@
 #include "worker/segmentation/describe.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -65,42 +66,74 @@ std::vector<PixelPosition> Centers(const Grid<SegmentIndex>& labels, const std::
   return centers;
 }
 
-// Calls visit(smaller label, larger label) for each pair of 4-neighbour pixels of different segments.
-template <typename Visit>
-void ForEachBorder(const Grid<SegmentIndex>& labels, const Visit& visit) {
-  for (int y = 0; y < labels.height(); ++y) {
-    for (int x = 0; x < labels.width(); ++x) {
-      const SegmentIndex label = labels(x, y);
-      if (x + 1 < labels.width() && labels(x + 1, y) != label) {
-        visit(std::min(label, labels(x + 1, y)), std::max(label, labels(x + 1, y)));
-      }
-      if (y + 1 < labels.height() && labels(x, y + 1) != label) {
-        visit(std::min(label, labels(x, y + 1)), std::max(label, labels(x, y + 1)));
-      }
-    }
-  }
-}
+// The larger labels among the neighbours of each segment.
+class Neighbours {
+ public:
+  explicit Neighbours(std::size_t num_segments) : of_(num_segments) {}
 
-// Borders are sorted by counting into a run per first segment; the runs are short.
+  // Two adjacent segments, as often as they are met. A pair is looked for without a branch: none could be foreseen.
+  void Add(SegmentIndex a, SegmentIndex b) {
+    const auto [first, second] = std::minmax(a, b);
+    Larger& larger = of_[first];
+    bool known = false;
+    for (std::size_t i = 0; i < kUsual; ++i) known |= larger.labels[i] == second;
+    if (larger.count == kUsual && !known) {
+      others_.push_back({first, second});
+      return;
+    }
+    larger.labels[larger.count] = second;
+    larger.count += known ? 0 : 1;
+  }
+
+  // Each pair once, in order.
+  [[nodiscard]] std::vector<SegmentMap::Adjacency> Sorted() {
+    const auto in_order = [](const auto& a, const auto& b) {
+      return a.first != b.first ? a.first < b.first : a.second < b.second;
+    };
+    std::sort(others_.begin(), others_.end(), in_order);
+    others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
+    std::vector<SegmentMap::Adjacency> pairs;
+    auto other = others_.begin();
+    for (std::size_t segment = 0; segment < of_.size(); ++segment) {
+      const auto begin = static_cast<std::ptrdiff_t>(pairs.size());
+      for (std::size_t i = 0; i < of_[segment].count; ++i)
+        pairs.push_back({static_cast<SegmentIndex>(segment), of_[segment].labels[i]});
+      for (; other != others_.end() && other->first == segment; ++other) pairs.push_back(*other);
+      std::sort(pairs.begin() + begin, pairs.end(), in_order);
+    }
+    return pairs;
+  }
+
+ private:
+  static constexpr std::size_t kUsual = 8;
+  static constexpr SegmentIndex kNone = std::numeric_limits<SegmentIndex>::max();
+
+  struct Larger {
+    std::size_t count = 0;
+    std::array<SegmentIndex, kUsual + 1> labels{kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  };
+  std::vector<Larger> of_;
+  std::vector<SegmentMap::Adjacency> others_;  // of those with more, some twice
+};
+
 std::vector<SegmentMap::Adjacency> Adjacencies(const Grid<SegmentIndex>& labels, std::size_t num_segments) {
-  std::vector<std::size_t> begin(num_segments + 1, 0);
-  ForEachBorder(labels, [&](SegmentIndex first, SegmentIndex) { ++begin[first + 1]; });
-  for (std::size_t segment = 0; segment < num_segments; ++segment) begin[segment + 1] += begin[segment];
-  std::vector<SegmentIndex> seconds(begin.back());
-  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
-  ForEachBorder(labels, [&](SegmentIndex first, SegmentIndex second) { seconds[next[first]++] = second; });
-
-  std::vector<SegmentMap::Adjacency> adjacency;
-  for (std::size_t segment = 0; segment < num_segments; ++segment) {
-    const auto run = seconds.begin() + static_cast<std::ptrdiff_t>(begin[segment]);
-    const auto run_end = seconds.begin() + static_cast<std::ptrdiff_t>(begin[segment + 1]);
-    std::sort(run, run_end);
-    const auto distinct_end = std::unique(run, run_end);
-    for (auto second = run; second != distinct_end; ++second) {
-      adjacency.push_back({static_cast<SegmentIndex>(segment), *second});
-    }
+  Neighbours neighbours(num_segments);
+  const auto width = static_cast<std::size_t>(labels.width());
+  std::vector<std::size_t> at(width);  // where there are borders, found without a branch
+  for (int y = 0; y < labels.height(); ++y) {
+    const auto add_where = [&](const SegmentIndex* row, const SegmentIndex* beside, std::size_t count) {
+      std::size_t found = 0;
+      for (std::size_t x = 0; x < count; ++x) {
+        at[found] = x;
+        found += row[x] != beside[x] ? 1 : 0;
+      }
+      for (std::size_t i = 0; i < found; ++i) neighbours.Add(row[at[i]], beside[at[i]]);
+    };
+    const SegmentIndex* const row = labels.row(y);
+    add_where(row, row + 1, width - 1);
+    if (y + 1 < labels.height()) add_where(row, labels.row(y + 1), width);
   }
-  return adjacency;
+  return neighbours.Sorted();
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "common/base/little_endian.h"
@@ -17,13 +18,18 @@ constexpr std::size_t kHeaderBytes = 4 * (kContexts.size() + 2);
 constexpr std::size_t kMostPixelsPerByte = 8;
 constexpr std::size_t kLeastPixelsPerByte = 4;
 
+// What FindRules tells of a pixel: its context, and above that the rule that gives its label.
+constexpr unsigned kContextBits = 5;
+static_assert(kContextNumbers == 1U << kContextBits);
+constexpr std::uint8_t kFirstExplicit = kExplicit << kContextBits;
+
 // Rules by context, and their bytes. Packs many at a time: a branch at every byte's last digit cannot be foreseen.
 class RuleWriter {
  public:
-  void Add(unsigned context, Rule rule) {
-    std::uint32_t& size = sizes_[context];
-    rules_[context][size++] = rule;
-    if (size == kBuffered) Pack(context);
+  // Of pixels in their order.
+  void Add(std::span<const std::uint8_t> followed) {
+    for (; followed.size() > kPiece; followed = followed.subspan(kPiece)) AddPiece(followed.first(kPiece));
+    AddPiece(followed);
   }
 
   // All of the context's bytes; nothing is added to it after that.
@@ -34,23 +40,64 @@ class RuleWriter {
 
  private:
   static constexpr std::size_t kBuffered = 1000;  // whole bytes of each radix
+  static constexpr std::size_t kPiece = 512;
 
+  void AddPiece(std::span<const std::uint8_t> followed) {
+    for (const std::uint8_t pixel : followed) {
+      const unsigned context = pixel % kContextNumbers;
+      rules_[context][sizes_[context]++] = static_cast<Rule>(pixel >> kContextBits);
+    }
+    for (const unsigned context : kContexts)
+      if (sizes_[context] >= kBuffered) Pack(context);
+  }
+
+  // As many as are packed at a time, or all that there are.
   void Pack(unsigned context) {
     const ContextDigits& digits = kContextDigits[context];
-    const std::array<Rule, kBuffered>& rules = rules_[context];
-    const std::uint32_t size = std::exchange(sizes_[context], 0);
+    auto& rules = rules_[context];
+    const std::uint32_t size = std::min<std::uint32_t>(sizes_[context], kBuffered);
     for (std::uint32_t first = 0; first < size; first += digits.per_byte) {
       std::uint32_t byte = 0;
       for (std::uint32_t i = first; i < first + digits.per_byte; ++i)
         byte = byte * digits.radix + (i < size ? digits.digit_of[rules[i]] : 0U);
       bytes_[context].push_back(static_cast<char>(byte));
     }
+    std::copy(rules.begin() + size, rules.begin() + sizes_[context], rules.begin());
+    sizes_[context] -= size;
   }
 
-  std::array<std::array<Rule, kBuffered>, kContextNumbers> rules_;
+  std::array<std::array<Rule, kBuffered + kPiece>, kContextNumbers> rules_;
   std::array<std::uint32_t, kContextNumbers> sizes_{};
   std::array<std::string, kContextNumbers> bytes_;
 };
+
+// A row of labels with a 0, as labels outside the map count, at either end.
+using FramedRow = std::vector<SegmentIndex>;
+
+// Apart from what is done with them, so that it goes by vectors: hence no LabelsAround, which GCC 12 does not see
+// through.
+void FindRules(const FramedRow& above_row, const FramedRow& row, std::vector<std::uint8_t>& followed) {
+  const SegmentIndex* const here = row.data();
+  const SegmentIndex* const over = above_row.data();
+  std::uint8_t* const to = followed.data();
+  const std::size_t width = followed.size();
+  for (std::size_t x = 0; x < width; ++x) {
+    const SegmentIndex label = here[x + 1];
+    const SegmentIndex left = here[x];
+    const SegmentIndex above_left = over[x];
+    const SegmentIndex above = over[x + 1];
+    const SegmentIndex above_right = over[x + 2];
+    const SegmentIndex likelier = left == above_left ? above : left;
+    const SegmentIndex other = left == above_left ? left : above;
+    std::uint32_t rule = label == above_right ? 2U : 3U;
+    rule = label == other ? 1U : rule;
+    rule = label == likelier ? 0U : rule;
+    const std::uint32_t context = (left == above ? 1U : 0U) | (left == above_left ? 2U : 0U) |
+                                  (above == above_left ? 4U : 0U) | (above_right == above ? 8U : 0U) |
+                                  (above_right == left ? 16U : 0U);
+    to[x] = static_cast<std::uint8_t>(context | rule << kContextBits);
+  }
+}
 
 // The rules of each byte in order; of a byte that stands for none, the first is kNoRule.
 constexpr Rule kNoRule{0xFF};
@@ -165,23 +212,22 @@ std::size_t MostLabelBytes(std::size_t pixels) {
 void AppendLabels(const Grid<SegmentIndex>& labels, std::string& bytes, std::vector<std::size_t>& cuts) {
   RuleWriter rules;
   ExplicitLabels explicit_labels;
-  const int width = labels.width();
-  const std::vector<SegmentIndex> outside(static_cast<std::size_t>(width), 0);
-  for (int y = 0; y < labels.height(); ++y) {
-    const SegmentIndex* const row = labels.row(y);
-    const SegmentIndex* const above_row = y > 0 ? labels.row(y - 1) : outside.data();
-    LabelsAround around;
-    around.above = above_row[0];
-    for (int x = 0; x < width; ++x) {
-      around.above_right = x + 1 < width ? above_row[x + 1] : 0;
-      const SegmentIndex label = row[x];
-      Rule rule = label == around.above_right ? kAboveRight : kExplicit;
-      if (label == around.other()) rule = kOther;
-      if (label == around.likelier()) rule = kLikelier;
-      rules.Add(around.Context(), rule);
-      if (rule == kExplicit) explicit_labels.Add(label, y > 0 ? around.above : around.left);
-      around = {.left = label, .above_left = around.above, .above = around.above_right};
+  const auto width = static_cast<std::size_t>(labels.width());
+  FramedRow above(width + 2, 0);
+  FramedRow here(width + 2, 0);
+  std::vector<std::uint8_t> followed(width);
+  std::vector<std::size_t> explicit_at(width);
+  for (int y = 0; y < labels.height(); ++y, above.swap(here)) {
+    std::copy_n(labels.row(y), width, here.begin() + 1);
+    FindRules(above, here, followed);
+    rules.Add(followed);
+    std::size_t num_explicit = 0;  // without a branch, which could not be foreseen
+    for (std::size_t x = 0; x < width; ++x) {
+      explicit_at[num_explicit] = x;
+      num_explicit += followed[x] >= kFirstExplicit ? 1 : 0;
     }
+    for (const std::size_t x : std::span(explicit_at).first(num_explicit))
+      explicit_labels.Add(here[x + 1], y > 0 ? above[x + 1] : here[x]);
   }
 
   const ExplicitLabels::Coded coded = explicit_labels.Code();
