@@ -64,6 +64,7 @@ ErrorCode CodeOf(v1::Code code) {
 
 std::string SerializeEnvelope(v1::Envelope envelope) {
   envelope.set_protocol_version(kProtocolVersion);
+  envelope.set_protocol_minor(kProtocolMinor);
   return envelope.SerializeAsString();
 }
 
@@ -81,8 +82,13 @@ Result<v1::Envelope> ParseEnvelope(std::string_view bytes) {
                                                 std::to_string(envelope.protocol_version()) + ", expected " +
                                                 std::to_string(kProtocolVersion));
   }
-  if (envelope.body_case() == v1::Envelope::BODY_NOT_SET) return Corrupt("a message without a body");
-  return envelope;
+  if (envelope.body_case() != v1::Envelope::BODY_NOT_SET) return envelope;
+  if (envelope.GetReflection()->GetUnknownFields(envelope).empty()) return Corrupt("a message without a body");
+  const auto version = [](std::uint32_t minor) {
+    return "protocol " + std::to_string(kProtocolVersion) + "." + std::to_string(minor);
+  };
+  return InvalidArgument("a message that this end, of " + version(kProtocolMinor) + ", does not know; the peer has " +
+                         version(envelope.protocol_minor()));
 }
 
 std::string BodyName(const v1::Envelope& envelope) {

@@ -12,11 +12,15 @@ namespace depthfarm {
 
 // Both ends must speak the same: raised by any change of proto/ that an older end would misread.
 inline constexpr std::uint32_t kProtocolVersion = 8;
+// Raised by additions, which an older end may pass over (PROTOCOL.md, section 2, lists them): ends whose minor versions
+// differ talk to each other.
+inline constexpr std::uint32_t kProtocolMinor = 1;
 
-// The bytes of one message; sets protocol_version.
+// The bytes of one message; sets both versions.
 [[nodiscard]] std::string SerializeEnvelope(v1::Envelope envelope);
 
-// Errors: kCorrupt (too long, not an Envelope, no body), kIncompatible (another protocol version).
+// Errors: kCorrupt (too long, not an Envelope, no body), kIncompatible (another protocol version), kInvalidArgument: a
+// message that came with a later minor version than this end's.
 [[nodiscard]] Result<v1::Envelope> ParseEnvelope(std::string_view bytes);
 
 // The word for logs: "worker_hello", "grant_task", ...; "nothing" without a body.

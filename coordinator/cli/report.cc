@@ -178,6 +178,7 @@ OrderedJson JobToJson(const v1::JobStatus& job) {
           {"outputDir", job.output_dir()},
           {"keepsResults", job.keeps_results()},
           {"requiredTags", Words(job.required_tags())},
+          {"algorithmVersion", job.algorithm_version()},
           {"lacksWorker", job.lacks_worker()},
           {"running", Words(job.running())},
           {"stages", stages}};
@@ -187,6 +188,7 @@ OrderedJson WorkerToJson(const v1::WorkerStatus& worker) {
   return {{"worker", worker.worker_id()},
           {"name", worker.name()},
           {"version", worker.software_version()},
+          {"algorithmVersion", worker.algorithm_version()},
           {"running", worker.running()},
           {"tasks", worker.tasks()},
           {"slots", worker.slots()},
@@ -225,7 +227,7 @@ std::string FormatJob(const v1::JobStatus& job) {
   if (job.lacks_worker()) {
     text += "  waits for a worker";
     if (job.required_tags_size() > 0) text += " with the tags " + Joined(job.required_tags());
-    text += "\n";
+    text += " of algorithm version " + std::to_string(job.algorithm_version()) + "\n";
   }
   for (const std::string& task : job.running()) text += "  running: " + task + "\n";
   return text;
@@ -243,15 +245,15 @@ std::string FormatJobs(const std::vector<v1::JobStatus>& jobs) {
 
 std::string FormatWorkers(const std::vector<v1::WorkerStatus>& workers) {
   std::vector<std::vector<std::string>> rows = {
-      {"worker", "name", "version", "heard", "done", "cache", "tasks", "tags", "running"}};
+      {"worker", "name", "version", "algorithm", "heard", "done", "cache", "tasks", "tags", "running"}};
   for (const v1::WorkerStatus& worker : workers) {
     rows.push_back({std::to_string(worker.worker_id()), worker.name(), worker.software_version(),
-                    FormatDuration(worker.seconds_since_heard()) + " ago", std::to_string(worker.tasks_done()),
-                    FormatBytes(static_cast<double>(worker.artifact_bytes())),
+                    std::to_string(worker.algorithm_version()), FormatDuration(worker.seconds_since_heard()) + " ago",
+                    std::to_string(worker.tasks_done()), FormatBytes(static_cast<double>(worker.artifact_bytes())),
                     std::to_string(worker.tasks()) + "/" + std::to_string(worker.slots()), Joined(worker.tags()),
                     (worker.draining() ? "draining: " : "") + (worker.running().empty() ? "idle" : worker.running())});
   }
-  return FormatTable(rows, {true, false, false, true, true, true, true, false, false});
+  return FormatTable(rows, {true, false, false, true, true, true, true, true, false, false});
 }
 
 std::string FormatProgress(const v1::JobStatus& job) {

@@ -292,6 +292,7 @@ std::vector<WorkerSnapshot> Scheduler::Workers() const {
     snapshot.slots = worker.slots;
     snapshot.draining = worker.draining;
     snapshot.tags = worker.tags;
+    snapshot.algorithm_version = worker.algorithm_version;
     snapshot.last_heard = worker.last_heard;
     snapshot.tasks_done = worker.tasks_done;
     snapshot.artifacts = directory_.Count(id);
@@ -318,7 +319,7 @@ Backlog Scheduler::CountBacklog(const std::function<bool(const JobRecord&)>& cou
 }
 
 Backlog Scheduler::BacklogOf(const std::set<std::string>& tags) const {
-  return CountBacklog([&tags](const JobRecord& job) { return std::ranges::includes(tags, job.tags); });
+  return CountBacklog([&tags](const JobRecord& job) { return std::ranges::includes(tags, job.needs.tags); });
 }
 
 Backlog Scheduler::TotalBacklog() const {

@@ -85,7 +85,7 @@ class Scheduler {
   struct JobRecord {
     std::string name;
     int priority = 0;
-    std::set<std::string> tags;    // that a worker must have
+    WorkerNeeds needs;
     bool taken = false;            // whether any worker takes its tasks
     std::uint64_t last_grant = 0;  // number of its newest lease
     GopHomes homes;

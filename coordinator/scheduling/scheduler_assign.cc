@@ -85,8 +85,8 @@ TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task,
   const bool alone = IsTriedAlone(*job.progress->Find(task));
   const std::uint64_t memory = job.progress->MemoryOf(task);
   const auto any_other = [&](auto&& is_one) {
-    return std::ranges::any_of(workers_.workers(),
-                               [&](const auto& entry) { return entry.second.Takes(job.tags) && is_one(entry.second); });
+    return std::ranges::any_of(
+        workers_.workers(), [&](const auto& entry) { return entry.second.Takes(job.needs) && is_one(entry.second); });
   };
   // Asked of all workers, but only where a free one is too small or the task failed before.
   std::optional<bool> large_exist;
@@ -114,7 +114,7 @@ TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task,
 std::vector<WorkerId> Scheduler::WhoTakes(const JobRecord& job, const std::vector<WorkerId>& free_workers) const {
   std::vector<WorkerId> takers;
   for (const WorkerId id : free_workers) {
-    if (!workers_.Find(id)->Takes(job.tags)) continue;
+    if (!workers_.Find(id)->Takes(job.needs)) continue;
     // Held for a task of a job that this one does not go before; within the job CandidateOf decides.
     const auto held = held_.find(id);
     const bool spared = held != held_.end() && held->second.job != job.progress->plan().job().config.job &&
@@ -189,8 +189,7 @@ void Scheduler::EndHolds() {
     const Worker* worker = workers_.Find(id);
     const JobRecord* job = FindJob(task.job);
     const Task* waiting = job == nullptr ? nullptr : job->progress->Find(task);
-    return worker == nullptr || !worker->Takes(job == nullptr ? std::set<std::string>() : job->tags) ||
-           waiting == nullptr || waiting->state != TaskState::kReady;
+    return worker == nullptr || waiting == nullptr || !worker->Takes(job->needs) || waiting->state != TaskState::kReady;
   });
 }
 

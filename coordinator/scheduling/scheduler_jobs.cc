@@ -16,8 +16,8 @@ void Scheduler::On(const JobSubmitted& event) {
   JobRecord& job = jobs_[id];
   job.name = event.name;
   job.priority = event.priority;
-  job.tags = event.tags;
-  job.taken = workers_.AnyFor(job.tags);
+  job.needs = {event.tags, event.job.config.algorithm_version};
+  job.taken = workers_.AnyFor(job.needs);
   job.submitted = now_;
   if (event.serves_uploads) job.submitter_due = now_ + options_.submitter_silence;
   if (event.ran_before) job.at_rest = now_ + options_.lease;
@@ -179,7 +179,7 @@ void Scheduler::EndDrainedWorkers() {
 void Scheduler::UpdateTaken() {
   if (workers_seen_ == workers_.generation()) return;
   workers_seen_ = workers_.generation();
-  for (auto& [id, job] : jobs_) job.taken = workers_.AnyFor(job.tags);
+  for (auto& [id, job] : jobs_) job.taken = workers_.AnyFor(job.needs);
 }
 
 void Scheduler::OpenGops() {
@@ -235,7 +235,7 @@ void Scheduler::EndJob(JobId id, JobState state) {
 
 double Scheduler::SlotsOf(JobId id, const JobRecord& job) const {
   int slots = 0;
-  for (const auto& [worker_id, worker] : workers_.workers()) slots += worker.Takes(job.tags) ? worker.slots : 0;
+  for (const auto& [worker_id, worker] : workers_.workers()) slots += worker.Takes(job.needs) ? worker.slots : 0;
   const auto rivals = std::ranges::count_if(jobs_, [&](const auto& entry) {
     const auto& [other_id, other] = entry;
     return other_id != id && other.taken && other.priority >= job.priority;
@@ -266,7 +266,8 @@ JobSnapshot Scheduler::Snapshot(JobId id, const JobRecord& job) const {
   }
   if (job.ending == JobState::kRunning)
     snapshot.seconds_left = job.progress->remaining().Seconds(SlotsOf(id, job), computing);
-  snapshot.tags = job.tags;
+  snapshot.tags = job.needs.tags;
+  snapshot.algorithm_version = job.needs.algorithm_version;
   snapshot.lacks_worker = !job.taken;
   snapshot.retries = job.retries;
   snapshot.duplicates = job.duplicates;

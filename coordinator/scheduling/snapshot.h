@@ -45,9 +45,10 @@ struct JobSnapshot {
   int frames_total = 0;
   std::array<StageSnapshot, kNumTaskKinds> stages;  // by TaskKind
   std::vector<RunningTask> running;
-  std::optional<double> seconds_left;  // RemainingTime, on the job's share of the slots; not of a job that ends
-  std::set<std::string> tags;          // that its workers must have
-  bool lacks_worker = false;           // there is none that takes its tasks
+  std::optional<double> seconds_left;   // RemainingTime, on the job's share of the slots; not of a job that ends
+  std::set<std::string> tags;           // that its workers must have
+  std::uint32_t algorithm_version = 0;  // the same
+  bool lacks_worker = false;            // there is none that takes its tasks
   std::uint64_t retries = 0;
   std::uint64_t duplicates = 0;       // tasks that were granted a second time since they took so long
   std::uint64_t duplicates_won = 0;   // of which that attempt was first
@@ -63,6 +64,7 @@ struct WorkerSnapshot {
   int slots = 1;
   bool draining = false;
   std::set<std::string> tags;
+  std::uint32_t algorithm_version = 0;
   std::vector<TaskId> running;
   TimePoint last_heard;
   std::uint64_t tasks_done = 0;

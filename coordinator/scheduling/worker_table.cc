@@ -13,6 +13,7 @@ Worker& WorkerTable::Join(const WorkerJoined& event, TimePoint now) {
   worker.ahead = event.ahead;
   worker.memory_bytes = event.memory_bytes;
   worker.tags = event.tags;
+  worker.algorithm_version = event.algorithm_version;
   worker.told_to_end = false;
   worker.last_heard = now;
   worker.ask.reset();
@@ -119,8 +120,8 @@ WorkerTable::Room WorkerTable::RoomOf(const Worker& worker, TimePoint now, Milli
   return tasks < worker.slots + worker.ahead ? Room::kAhead : Room::kNone;
 }
 
-bool WorkerTable::AnyFor(const std::set<std::string>& tags) const {
-  return std::ranges::any_of(workers_, [&](const auto& entry) { return entry.second.Takes(tags); });
+bool WorkerTable::AnyFor(const WorkerNeeds& needs) const {
+  return std::ranges::any_of(workers_, [&](const auto& entry) { return entry.second.Takes(needs); });
 }
 
 }  // namespace depthfarm

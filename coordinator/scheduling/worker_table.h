@@ -15,11 +15,17 @@
 
 namespace depthfarm {
 
+// What a job asks of the workers that take its tasks.
+struct WorkerNeeds {
+  std::set<std::string> tags;
+  std::uint32_t algorithm_version = kAlgorithmVersion;  // exactly: another one makes other depth
+};
+
 // A worker that joined and was heard of within a lease.
 struct Worker {
-  // Whether it takes tasks of a job with these tags.
-  [[nodiscard]] bool Takes(const std::set<std::string>& wanted) const {
-    return !draining && std::ranges::includes(tags, wanted);
+  // Whether it takes tasks of a job with these needs.
+  [[nodiscard]] bool Takes(const WorkerNeeds& needs) const {
+    return !draining && algorithm_version == needs.algorithm_version && std::ranges::includes(tags, needs.tags);
   }
   // Whether its memory is enough for a task of this size alone; beside the tasks it has.
   [[nodiscard]] bool IsLarge(std::uint64_t bytes) const {
@@ -33,6 +39,7 @@ struct Worker {
   int ahead = 0;                   // tasks that it takes besides
   std::uint64_t memory_bytes = 0;  // for its tasks; 0: no bound
   std::set<std::string> tags;
+  std::uint32_t algorithm_version = kAlgorithmVersion;
   bool draining = false;
   bool told_to_end = false;
   TimePoint last_heard;
@@ -100,8 +107,8 @@ class WorkerTable {
     kSlot,   // a task that it computes at once
   };
   [[nodiscard]] Room RoomOf(const Worker& worker, TimePoint now, Milliseconds max_age) const;
-  // Whether any worker takes tasks of a job with these tags.
-  [[nodiscard]] bool AnyFor(const std::set<std::string>& tags) const;
+  // Whether any worker takes tasks of a job with these needs.
+  [[nodiscard]] bool AnyFor(const WorkerNeeds& needs) const;
   // How many tasks all workers compute at a time; those that are drained do not count.
   [[nodiscard]] std::size_t num_slots() const { return num_slots_; }
   // Grows whenever a worker joins, leaves or is drained: what AnyFor says may have changed.

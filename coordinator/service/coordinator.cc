@@ -214,11 +214,6 @@ void Coordinator::HandleFromWorker(const PeerMessage& message, const v1::Envelop
 
 void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello& hello) {
   const auto check = [&]() -> Result<WorkerSession> {
-    if (hello.algorithm_version() != kAlgorithmVersion) {
-      return Status(ErrorCode::kIncompatible, "the worker has algorithm version " +
-                                                  std::to_string(hello.algorithm_version()) + ", this farm has " +
-                                                  std::to_string(kAlgorithmVersion));
-    }
     DEPTHFARM_RETURN_IF_ERROR(CheckText("worker name", hello.name(), kMaxNameBytes));
     if (hello.name().empty()) return InvalidArgument("worker name is empty");
     DEPTHFARM_RETURN_IF_ERROR(CheckText("software version", hello.software_version(), kMaxVersionText));
@@ -264,6 +259,7 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
                      static_cast<int>(hello.tasks_ahead()),
                      hello.memory_bytes(),
                      std::move(tags).value(),
+                     hello.algorithm_version(),
                      restarted};
   for (const v1::ArtifactInfo& artifact : hello.artifacts()) {
     const Result<ArtifactInfo> parsed = FromProto(artifact);

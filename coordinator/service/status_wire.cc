@@ -68,6 +68,7 @@ v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, 
   status.set_determinism_violations(job.determinism_violations);
   status.set_priority(job.priority);
   for (const std::string& tag : job.tags) status.add_required_tags(tag);
+  status.set_algorithm_version(job.algorithm_version);
   status.set_lacks_worker(job.lacks_worker && job.state == JobState::kRunning);
   return status;
 }
@@ -84,6 +85,7 @@ v1::WorkerStatus StatusToProto(const WorkerSnapshot& worker, const WorkerSession
   status.set_tasks(static_cast<std::uint32_t>(worker.running.size()));
   status.set_draining(worker.draining);
   for (const std::string& tag : worker.tags) status.add_tags(tag);
+  status.set_algorithm_version(worker.algorithm_version);
   status.set_seconds_since_heard(Seconds(now - worker.last_heard));
   status.set_tasks_done(worker.tasks_done);
   status.set_artifacts(worker.artifacts);

@@ -29,6 +29,29 @@ TEST(Envelope, AnotherProtocolVersionIsIncompatible) {
   EXPECT_EQ(ParseEnvelope("").status().code(), ErrorCode::kIncompatible);
 }
 
+TEST(Envelope, OfAnotherMinorVersionIsReadAsFarAsItIsKnown) {
+  for (const std::uint32_t minor : {0U, kProtocolMinor, kProtocolMinor + 1}) {
+    v1::Envelope envelope = Ask();
+    envelope.set_protocol_version(kProtocolVersion);
+    envelope.set_protocol_minor(minor);
+    v1::AskForTask* ask = envelope.mutable_ask_for_task();
+    ask->GetReflection()->MutableUnknownFields(ask)->AddVarint(4000, 5);
+    const Result<v1::Envelope> parsed = ParseEnvelope(envelope.SerializeAsString());
+    ASSERT_TRUE(parsed.ok()) << parsed.status().message();
+    EXPECT_EQ(parsed->ask_for_task().ask_id(), 3U);
+  }
+}
+
+TEST(Envelope, OfAKindThatOnlyTheOtherEndKnowsNamesBothVersions) {
+  v1::Envelope envelope;
+  envelope.set_protocol_version(kProtocolVersion);
+  envelope.set_protocol_minor(kProtocolMinor + 1);
+  envelope.GetReflection()->MutableUnknownFields(&envelope)->AddLengthDelimited(4000, "");
+  const Status status = ParseEnvelope(envelope.SerializeAsString()).status();
+  EXPECT_EQ(status.code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(status.message(), "a message that this end, of protocol 8.1, does not know; the peer has protocol 8.2");
+}
+
 TEST(Envelope, WithoutABodyIsCorrupt) {
   EXPECT_EQ(ParseEnvelope(SerializeEnvelope({})).status().code(), ErrorCode::kCorrupt);
   EXPECT_EQ(BodyName({}), "nothing");
@@ -36,7 +59,7 @@ TEST(Envelope, WithoutABodyIsCorrupt) {
 
 TEST(Envelope, EveryTruncationIsRefusedOrIncomplete) {
   v1::Envelope envelope;
-  envelope.mutable_error()->set_message("a reason of some length");
+  envelope.mutable_worker_hello()->set_name("a name of some length");
   const std::string bytes = SerializeEnvelope(envelope);
   for (std::size_t length = 0; length < bytes.size(); ++length) {
     const Result<v1::Envelope> parsed = ParseEnvelope(std::string_view(bytes).substr(0, length));

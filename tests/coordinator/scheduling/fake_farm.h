@@ -21,6 +21,7 @@ struct FakeWorker {
   int ahead = 0;
   std::uint64_t memory_bytes = 0;
   std::set<std::string> tags;
+  std::uint32_t algorithm_version = kAlgorithmVersion;
 
   [[nodiscard]] bool HasRoom() const { return running.size() < static_cast<std::size_t>(slots + ahead); }
 };

@@ -122,6 +122,25 @@ TEST(Scheduler, AJobWithTagsGoesToWorkersThatHaveThemAll) {
   }
 }
 
+TEST(Scheduler, TasksGoToWorkersOfTheJobsAlgorithmVersionAlone) {
+  FakeFarm farm;
+  const WorkerId newer = farm.Join(4);
+  farm.At(newer).algorithm_version = kAlgorithmVersion + 1;
+  farm.Rejoin(newer);
+  farm.Ask(newer);
+  farm.Submit(MakePlannedJob({}));
+  EXPECT_TRUE(farm.IsIdle(newer));
+  EXPECT_TRUE(farm.scheduler.Job(JobId(1))->lacks_worker);
+  const WorkerId same = farm.JoinAndAsk();
+  EXPECT_FALSE(farm.IsIdle(same));
+  PlannedJob of_newer = MakePlannedJob({.id = 2});
+  of_newer.config.algorithm_version = kAlgorithmVersion + 1;
+  farm.Submit(of_newer);
+  EXPECT_FALSE(farm.IsIdle(newer));
+  farm.RunToTheEnd();
+  for (const Grant& grant : farm.grants) EXPECT_EQ(grant.worker, grant.task.spec.id.job == JobId(1) ? same : newer);
+}
+
 TEST(Scheduler, AWorkerGetsNoMoreTasksThanItsMemoryHolds) {
   FakeFarm farm;
   const PlannedJob job = MakePlannedJob({.frames = 50, .gop = 1, .views = 4});

@@ -119,16 +119,84 @@ TEST(Coordinator, AWorkerThatIsNotKnownIsToldToSayHello) {
   EXPECT_EQ(worker.peer.Receive().error().code(), v1::CODE_UNAVAILABLE);
 }
 
-TEST(Coordinator, AWorkerOfAnotherAlgorithmIsRefused) {
+// As on a farm that is being upgraded: it waits for jobs of its version, the others do those of theirs.
+TEST(Coordinator, AWorkerOfAnotherAlgorithmIsWelcomeAndGetsNoTask) {
   const TemporaryFolder folder;
   RunningCoordinator coordinator(On(folder));
   TransportContext context;
-  FakePeer worker(context, coordinator.endpoint());
+  FakePeer other(context, coordinator.endpoint());
   v1::Envelope hello;
-  hello.mutable_worker_hello()->set_name("old");
+  hello.mutable_worker_hello()->set_name("other");
   hello.mutable_worker_hello()->set_artifact_endpoint("ipc:///x");
   hello.mutable_worker_hello()->set_algorithm_version(kAlgorithmVersion + 1);
-  EXPECT_EQ(worker.Call(hello).error().code(), v1::CODE_INCOMPATIBLE);
+  EXPECT_TRUE(other.Call(hello).has_worker_welcome());
+  FakePeer client(context, coordinator.endpoint());
+  const auto job = client.Call(SubmitRequest(2, "/out/a")).job_accepted().job_id();
+  v1::Envelope ask;
+  ask.mutable_ask_for_task()->set_ask_id(1);
+  other.Send(ask);
+  EXPECT_FALSE(other.TryReceive().has_value());
+  const v1::JobStatus waiting = client.Call(StatusRequest(job)).job_status();
+  EXPECT_TRUE(waiting.lacks_worker());
+  EXPECT_EQ(waiting.algorithm_version(), kAlgorithmVersion);
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  EXPECT_TRUE(worker.peer.Await(v1::Envelope::kWorkerWelcome).has_worker_welcome());
+  worker.Ask();
+  EXPECT_GT(worker.WorkUntilJobEnds(), 0);
+  EXPECT_EQ(client.Call(StatusRequest(job)).job_status().state(), v1::JOB_STATE_DONE);
+  v1::Envelope list;
+  list.mutable_list_workers();
+  const v1::WorkerList workers = client.Call(list).worker_list();
+  ASSERT_EQ(workers.workers_size(), 2);
+  EXPECT_EQ(workers.workers(0).algorithm_version() + workers.workers(1).algorithm_version(), 2 * kAlgorithmVersion + 1);
+}
+
+// A peer of the next minor version says what this one does not know, in fields and in messages.
+TEST(Coordinator, APeerOfTheNextMinorVersionIsServedAndToldWhatIsNotKnown) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  const auto as_later = [](v1::Envelope envelope, bool with_body) {
+    envelope.set_protocol_version(kProtocolVersion);
+    envelope.set_protocol_minor(kProtocolMinor + 1);
+    envelope.GetReflection()->MutableUnknownFields(&envelope)->AddLengthDelimited(4000, "new");
+    if (with_body && envelope.has_submit_job()) {
+      v1::SubmitJob* job = envelope.mutable_submit_job();
+      job->GetReflection()->MutableUnknownFields(job)->AddVarint(4000, 7);
+    }
+    return envelope.SerializeAsString();
+  };
+  FakePeer client(context, coordinator.endpoint());
+  client.SendBytes(as_later({}, false));
+  const v1::Error unknown = client.Receive().error();
+  EXPECT_EQ(unknown.code(), v1::CODE_INVALID_ARGUMENT);
+  EXPECT_EQ(unknown.message(), "a message that this end, of protocol 8.1, does not know; the peer has protocol 8.2");
+  client.SendBytes(as_later(SubmitRequest(2, "/out/a"), true));
+  EXPECT_TRUE(client.Receive().has_job_accepted());
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  EXPECT_TRUE(worker.peer.Await(v1::Envelope::kWorkerWelcome).has_worker_welcome());
+  worker.peer.SendBytes(as_later({}, false));
+  EXPECT_EQ(worker.peer.Await(v1::Envelope::kError).error().code(), v1::CODE_INVALID_ARGUMENT);
+  worker.Ask();
+  EXPECT_GT(worker.WorkUntilJobEnds(), 0) << "it is on the farm all the same";
+}
+
+// A worker of the minor version before: it tells no process, knows nothing of tasks to be given back.
+TEST(Coordinator, AWorkerOfTheMinorVersionBeforeDoesItsTasks) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  const auto job = client.Call(SubmitRequest(2, "/out/a")).job_accepted().job_id();
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.peer.minor = 0;
+  worker.Hello();
+  EXPECT_TRUE(worker.peer.Await(v1::Envelope::kWorkerWelcome).has_worker_welcome());
+  worker.Ask();
+  EXPECT_GT(worker.WorkUntilJobEnds(), 0);
+  EXPECT_EQ(client.Call(StatusRequest(job)).job_status().state(), v1::JOB_STATE_DONE);
 }
 
 TEST(Coordinator, AWorkerThatReconnectsGoesOnUnderItsName) {

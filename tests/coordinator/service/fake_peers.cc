@@ -23,7 +23,12 @@ constexpr std::chrono::milliseconds kRefusal{200};
 FakePeer::FakePeer(TransportContext& context, const std::string& endpoint, const ClientOptions& options)
     : channel_(ClientChannel::Connect(context, endpoint, options).value()) {}
 
-void FakePeer::Send(const v1::Envelope& envelope) { SendBytes(SerializeEnvelope(envelope)); }
+void FakePeer::Send(const v1::Envelope& envelope) {
+  v1::Envelope versioned = envelope;
+  versioned.set_protocol_version(kProtocolVersion);
+  versioned.set_protocol_minor(minor);
+  SendBytes(versioned.SerializeAsString());
+}
 
 void FakePeer::SendBytes(const std::string& bytes) { EXPECT_TRUE(channel_->Send(bytes).ok()); }
 

@@ -28,6 +28,8 @@ class FakePeer {
   [[nodiscard]] v1::Envelope Await(v1::Envelope::BodyCase kind);
   [[nodiscard]] v1::Envelope Call(const v1::Envelope& request);
 
+  std::uint32_t minor = kProtocolMinor;  // that it says it speaks
+
  private:
   std::unique_ptr<ClientChannel> channel_;
 };

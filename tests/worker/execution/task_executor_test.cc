@@ -98,7 +98,7 @@ TEST(TaskExecutor, DepthAndConfidenceAreThoseOfTheAlgorithmVersion) {
       codes.push_back(static_cast<char>(code >> 8U));
     }
   }
-  EXPECT_EQ(kAlgorithmVersion, 9U);
+  EXPECT_EQ(kAlgorithmVersion, 10U);
   EXPECT_EQ(Hex(Sha256(codes)), kMaps);
 }
 

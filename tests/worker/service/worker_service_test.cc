@@ -196,6 +196,17 @@ TEST_F(WorkerServiceTest, GivesBackATaskThatHasNotBegunAndNoOther) {
   StopWorker();
 }
 
+// A coordinator of the next minor version may send what this worker does not know.
+TEST_F(WorkerServiceTest, PassesOverMessagesThatItDoesNotKnow) {
+  Welcome();
+  v1::Envelope unknown;
+  unknown.GetReflection()->MutableUnknownFields(&unknown)->AddLengthDelimited(4000, "new");
+  Send(unknown);
+  Grant(11, job_.Simple(TaskKind::kPrepare), true);
+  EXPECT_EQ(Await(v1::Envelope::kTaskFinished).task_finished().error().code(), v1::CODE_OK);
+  StopWorker();
+}
+
 TEST_F(WorkerServiceTest, EndsWithAnErrorWhenItsVersionIsRefused) {
   Await(v1::Envelope::kWorkerHello);
   v1::Envelope refusal;
