@@ -69,8 +69,8 @@ struct WorkerJoined {
   int ahead = 0;                   // tasks that it takes besides, to fetch their inputs meanwhile
   std::uint64_t memory_bytes = 0;  // for its tasks; 0: no bound
   std::set<std::string> tags = {};
-  std::uint32_t algorithm_version = kAlgorithmVersion;
   bool restarted = false;  // another process than the one that had its leases, which died
+  std::uint32_t algorithm_version = kAlgorithmVersion;
 };
 // It has room for one more task.
 struct WorkerAsked {

@@ -259,8 +259,8 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
                      static_cast<int>(hello.tasks_ahead()),
                      hello.memory_bytes(),
                      std::move(tags).value(),
-                     hello.algorithm_version(),
-                     restarted};
+                     restarted,
+                     hello.algorithm_version()};
   for (const v1::ArtifactInfo& artifact : hello.artifacts()) {
     const Result<ArtifactInfo> parsed = FromProto(artifact);
     if (parsed.ok()) event.artifacts.push_back(*parsed);

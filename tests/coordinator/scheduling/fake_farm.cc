@@ -56,6 +56,7 @@ void FakeFarm::Rejoin(WorkerId worker) {
                      fake.ahead,
                      fake.memory_bytes,
                      fake.tags,
+                     false,
                      fake.algorithm_version};
   for (const auto& [key, artifact] : fake.store) event.artifacts.push_back(artifact);
   for (const auto& [lease, grant] : fake.running) event.running.push_back(lease);
