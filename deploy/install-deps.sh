@@ -20,7 +20,8 @@ build_libraries=(
   nlohmann-json3-dev libcli11-dev libspdlog-dev
   prometheus-cpp-dev libcpp-httplib-dev
 )
-test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd fish zsh mandoc)
+test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd fish zsh mandoc
+  iproute2 nftables strace)
 python_packages=(pybind11-dev python3-dev python3-numpy)
 test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev libopencv-calib3d-dev)
 fuzz_tools=(clang libclang-rt-14-dev)

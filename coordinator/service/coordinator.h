@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "coordinator/scheduling/scheduler.h"
 #include "coordinator/service/attempt_records.h"
 #include "coordinator/service/job_history.h"
+#include "coordinator/service/note_pace.h"
 #include "coordinator/service/refusals.h"
 #include "coordinator/service/worker_sessions.h"
 
@@ -66,6 +68,8 @@ class Coordinator {
   int DropUnlisted(const AllowedKeys& allowed, TimePoint now);
   // Does what is due: leases that ran out, jobs that end.
   void Tick(TimePoint now);
+  // Logs how much was not logged in the minutes that are over at `now`, or without it until now.
+  void LogLeftOut(std::optional<TimePoint> now);
   // What is to be sent, in order; empty until the next call that makes some.
   [[nodiscard]] std::vector<OutgoingMessage> TakeOutgoing() { return std::exchange(outgoing_, {}); }
 
@@ -152,6 +156,7 @@ class Coordinator {
   std::map<JobId, TimePoint> submitted_;
   AttemptRecords attempts_;
   MessageRefusals refusals_;
+  NotePace note_pace_;
   // Since the start, see FarmMetrics.
   std::map<std::string, std::uint64_t> jobs_ended_;
   std::map<std::pair<std::string, std::string>, std::uint64_t> attempts_ended_;

@@ -131,6 +131,7 @@ void Coordinator::Do(const EndWorker& action) {
 }
 
 void Coordinator::Do(const Note& action) {
+  if (!note_pace_.Admit(action.event, now_)) return;
   std::vector<LogField> fields;
   for (const auto& [key, value] : action.fields) fields.emplace_back(key, value);
   switch (action.severity) {
@@ -144,6 +145,11 @@ void Coordinator::Do(const Note& action) {
       Log(LogLevel::kError, action.event, fields);
       break;
   }
+}
+
+void Coordinator::LogLeftOut(std::optional<TimePoint> now) {
+  for (const NotePace::LeftOut& left_out : note_pace_.TakeLeftOut(now))
+    LogWarning("notes_left_out", {{"event", left_out.event}, {"count", left_out.count}});
 }
 
 }  // namespace depthfarm

@@ -77,6 +77,7 @@ Status CoordinatorServer::Run() {
     coordinator_->Tick(std::chrono::steady_clock::now());
     SendOutgoing();
     LogRefusals(std::chrono::steady_clock::now());
+    coordinator_->LogLeftOut(std::chrono::steady_clock::now());
     PublishMetrics(std::chrono::steady_clock::now());
   }
   // One that will be started again finds its workers at work.
@@ -86,6 +87,7 @@ Status CoordinatorServer::Run() {
   if (pace_.Owes(channel_->refusals().total() + coordinator_->refusals().total())) {
     LogRefused(channel_->refusals(), coordinator_->refusals());
   }
+  coordinator_->LogLeftOut(std::nullopt);
   LogInfo("coordinator_stopped",
           {{"workers", coordinator_->scheduler().Workers().size()}, {"jobs", coordinator_->scheduler().Jobs().size()}});
   return {};

@@ -1,15 +1,11 @@
 // Output folders that cannot be written, and folders of depth that are not what they should be.
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sched.h>
-#include <sys/mount.h>
 
-#include <cerrno>
 #include <fstream>
-#include <system_error>
 
 #include "tests/system/bad_input.h"
+#include "tests/system/small_disk.h"
 
 namespace depthfarm::system_test {
 namespace {
@@ -48,36 +44,12 @@ TEST(BadInput, OutputsThatAreInTheWay) {
       /*with_depth=*/true);
 }
 
-// A folder of its own in a mount namespace of this process's own: nobody else sees what is mounted there.
-class Mounted {
- public:
-  Mounted(const fs::path& folder, const char* options) : folder_(folder) {
-    fs::create_directories(folder);
-    const bool mounted = ::unshare(CLONE_NEWNS) == 0 &&
-                         ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
-                         ::mount("tmpfs", folder.c_str(), "tmpfs", 0, options) == 0;
-    if (!mounted) problem_ = std::generic_category().message(errno);
-  }
-  ~Mounted() {
-    if (problem_.empty()) ::umount(folder_.c_str());
-  }
-  Mounted(const Mounted&) = delete;
-  Mounted& operator=(const Mounted&) = delete;
-  [[nodiscard]] const std::string& problem() const { return problem_; }
-  [[nodiscard]] bool MakeReadOnly() const {
-    return ::mount("tmpfs", folder_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr) == 0;
-  }
-
- private:
-  fs::path folder_;
-  std::string problem_;
-};
-
 TEST(BadInput, AReadOnlyFileSystemIsToldBeforeAnythingIsComputed) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 1, .size = "64x48"});
-  const Mounted disk(folder.path() / "disk", "size=1m");
-  if (!disk.problem().empty() || !disk.MakeReadOnly()) GTEST_SKIP() << "cannot mount here: " << disk.problem();
+  const SmallDisk disk(folder.path() / "disk", "1m");
+  if (!disk.problem().empty()) GTEST_SKIP() << disk.problem();
+  ASSERT_TRUE(disk.MakeReadOnly());
   const Outcome run = Depthfarm({"run", sequence, "-o", folder / "disk/out"});
   EXPECT_EQ(run.exit_code, 2) << run.output;
   EXPECT_THAT(run.output, HasSubstr("output folder " + (folder / "disk/out") + ": cannot write into " +
@@ -88,8 +60,8 @@ TEST(BadInput, AReadOnlyFileSystemIsToldBeforeAnythingIsComputed) {
 TEST(BadInput, AFullDiskFailsTheJobWithWholeFramesAndItsName) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene", {.cameras = 3, .frames = 3, .size = "160x120"});
-  const Mounted disk(folder.path() / "disk", "size=96k");
-  if (!disk.problem().empty()) GTEST_SKIP() << "cannot mount here: " << disk.problem();
+  const SmallDisk disk(folder.path() / "disk", "96k");
+  if (!disk.problem().empty()) GTEST_SKIP() << disk.problem();
   const std::string out = folder / "disk/out";
   // Some room is left when the job begins, none before it ends.
   std::ofstream(folder.path() / "disk" / "other") << std::string(24 << 10, 'x');

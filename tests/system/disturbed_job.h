@@ -1,6 +1,7 @@
 #ifndef DEPTHFARM_TESTS_SYSTEM_DISTURBED_JOB_H_
 #define DEPTHFARM_TESTS_SYSTEM_DISTURBED_JOB_H_
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -64,6 +65,49 @@ class DisturbedJob : public testing::Test {
       return last.state() != v1::JOB_STATE_RUNNING;
     })) << farm.Logs();
     return last;
+  }
+
+  void WaitForFrames(Farm& farm, std::uint64_t job_id, std::uint64_t frames) {
+    ASSERT_TRUE(WaitUntil([&] {
+      const Result<v1::JobStatus> job = farm.client().GetStatus(job_id);
+      return job.ok() && (job->frames_done() >= frames || job->state() != v1::JOB_STATE_RUNNING);
+    })) << farm.Logs();
+    ASSERT_EQ(farm.client().GetStatus(job_id).value().state(), v1::JOB_STATE_RUNNING)
+        << "the job ended before it could be disturbed: make it longer\n"
+        << farm.Logs();
+  }
+
+  // That it ends well, with these bytes and nothing else in its folder.
+  void ExpectDone(Farm& farm, std::uint64_t job_id, const std::string& output,
+                  const std::map<std::string, std::string>& expected) {
+    const v1::JobStatus last = WaitForTheEnd(farm, job_id);
+    EXPECT_EQ(last.state(), v1::JOB_STATE_DONE) << last.error().message() << "\n" << farm.Logs();
+    EXPECT_EQ(last.determinism_violations(), 0U);
+    EXPECT_THAT(Differences(expected, DepthOf(output)), testing::IsEmpty()) << farm.Logs();
+    EXPECT_THAT(Leftovers(output), testing::IsEmpty());
+  }
+  // That it fails, and what it says then.
+  std::string ReasonOfFailure(Farm& farm, std::uint64_t job_id) {
+    const v1::JobStatus last = WaitForTheEnd(farm, job_id);
+    EXPECT_EQ(last.state(), v1::JOB_STATE_FAILED) << farm.Logs();
+    return last.error().message();
+  }
+  // What is in the folder of a job that failed: whole frames, as they should be, and no sign of a finished job.
+  static void ExpectWholeFrames(const std::string& output, const std::map<std::string, std::string>& expected) {
+    const std::map<std::string, std::string> there = DepthOf(output);
+    EXPECT_LT(there.size(), expected.size());
+    EXPECT_FALSE(there.contains("depth.json"));
+    for (const auto& [name, content] : there) EXPECT_EQ(content, expected.at(name)) << name;
+    EXPECT_THAT(Leftovers(output), testing::IsEmpty());
+  }
+  void Retry(Farm& farm, std::uint64_t job_id) {
+    const Status again = farm.client().Retry(job_id);
+    EXPECT_TRUE(again.ok()) << again.message();
+  }
+  // That the farm does the next job right, in spite of what happened to this one.
+  void ExpectNextJobIsRight(Farm& farm, const std::map<std::string, std::string>& expected) {
+    const std::string output = folder_ / "next";
+    ExpectDone(farm, Submit(farm, output), output, expected);
   }
 
   TemporaryFolder folder_;

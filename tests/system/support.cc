@@ -199,13 +199,14 @@ void Farm::StartCoordinator() {
   if (const auto jobs = client_->ListJobs(); !jobs.ok()) problem_ = jobs.status().message() + "\n" + Logs();
 }
 
-int Farm::AddWorker(const Words& options, const std::string& keys) {
+int Farm::AddWorker(const Words& options, const std::string& keys, const Words& under) {
   const std::string name = "worker-" + std::to_string(workers_.size());
-  Words arguments =
-      Words{"--coordinator", endpoint_} + (keys.empty() ? SecurityOptions() : Words{"--keys", keys}) + options;
+  Words words = under + Words{Program("depthfarm-worker").string(), "--coordinator", endpoint_} +
+                (keys.empty() ? SecurityOptions() : Words{"--keys", keys}) + options;
   if (std::ranges::find(options, "--cache-dir") == options.end())
-    arguments = arguments + Words{"--cache-dir", folder_ / (name + "-cache")};
-  Result<ChildProcess> worker = ChildProcess::Start(Program("depthfarm-worker"), arguments, folder_ / (name + ".log"));
+    words = words + Words{"--cache-dir", folder_ / (name + "-cache")};
+  Result<ChildProcess> worker =
+      ChildProcess::Start(words.front(), Words(words.begin() + 1, words.end()), folder_ / (name + ".log"));
   if (!worker.ok()) {
     problem_ = worker.status().message();
     return -1;

@@ -101,8 +101,8 @@ class Farm {
   [[nodiscard]] std::string CoordinatorLogged() const { return ReadFile(CoordinatorLog()); }
   [[nodiscard]] std::string Journal() const { return folder_ / "journal.sqlite"; }
   // Starts a worker, with a folder of its own unless the options name one, and returns its index. `keys`: other
-  // ones than the farm's.
-  int AddWorker(const Words& options = {}, const std::string& keys = "");
+  // ones than the farm's. `under`: a program with its first words, which is given the worker's command line to run.
+  int AddWorker(const Words& options = {}, const std::string& keys = "", const Words& under = {});
   // What the worker logged so far.
   [[nodiscard]] std::string LogOf(int index) const;
   [[nodiscard]] ChildProcess& worker(int index) { return workers_[static_cast<std::size_t>(index)]; }

@@ -318,11 +318,9 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     outcome.pins->push_back(store_.Pin({key}));
     if (task.spec.known.has_value() && task.spec.known->artifact.key == key)
       outcome.stats.fetched_bytes += FetchIntoStore(store_, fetcher_, *task.spec.known, task.stop);
-    if (const auto known = task.inputs.Find<ViewAnalysis>(key); known != nullptr) {
-      outcome.artifact = store_.Find(key);
+    if (const auto known = FindMade<ViewAnalysis>(task, key, outcome); known != nullptr) {
       outcome.stats.segments = static_cast<std::uint32_t>(known->segments.num_segments());
-      outcome.stats.reused = outcome.artifact.has_value();
-      if (outcome.stats.reused) return {};
+      return {};
     }
     if (task.spec.uploads) {
       DEPTHFARM_ASSIGN_OR_RETURN(guides, ReadGuides(read, task.spec));
@@ -602,11 +600,19 @@ Status TaskExecutor::Manifest(const Task& task) {
 }
 
 template <typename T>
-bool TaskExecutor::Reuse(const Task& task, TaskOutcome& outcome) {
-  if (task.inputs.Find<T>(*task.spec.output_key) == nullptr) return false;
-  outcome.artifact = store_.Find(*task.spec.output_key);
+std::shared_ptr<const T> TaskExecutor::FindMade(const Task& task, const ArtifactKey& key, TaskOutcome& outcome) {
+  // Others are given the file, whatever is in memory here. Of a damaged one they say that it is missing, and this task
+  // is asked for again: it would be as often as it is answered from memory.
+  if (!store_.Get(key).ok()) return nullptr;
+  auto made = task.inputs.Find<T>(key);
+  if (made != nullptr) outcome.artifact = store_.Find(key);
   outcome.stats.reused = outcome.artifact.has_value();
-  return outcome.stats.reused;
+  return outcome.stats.reused ? made : nullptr;
+}
+
+template <typename T>
+bool TaskExecutor::Reuse(const Task& task, TaskOutcome& outcome) {
+  return FindMade<T>(task, *task.spec.output_key, outcome) != nullptr;
 }
 
 template <typename T>

@@ -93,6 +93,9 @@ class TaskExecutor {
   // A map of a camera as a 16-bit PNG.
   [[nodiscard]] static Status EmitMap(const Task& task, const std::string& camera, const std::string& path,
                                       const Grid<std::uint16_t>& codes, MadeFiles& made);
+  // What the task is to make, if it is here already and its file is whole; nothing otherwise.
+  template <typename T>
+  [[nodiscard]] std::shared_ptr<const T> FindMade(const Task& task, const ArtifactKey& key, TaskOutcome& outcome);
   // Whether the artifact (T: LabelField, RefinedView, ConfidenceMap) that the task is to make is here already.
   template <typename T>
   [[nodiscard]] bool Reuse(const Task& task, TaskOutcome& outcome);

@@ -242,6 +242,31 @@ TEST(TaskExecutor, ADamagedArtifactIsMadeAgainNotReused) {
   EXPECT_EQ(second.artifact, first.artifact);
 }
 
+// A byte of the file of an artifact, in its place.
+void Damage(const TestWorker& worker, const ArtifactKey& key) {
+  for (const auto& entry : fs::recursive_directory_iterator(worker.folder.path())) {
+    if (entry.path().filename() != Hex(key)) continue;
+    std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(-1, std::ios::end).put('\x5a');
+    ASSERT_TRUE(file.flush());
+  }
+}
+
+TEST(TaskExecutor, WhatIsInMemoryDoesNotStandInForADamagedFile) {
+  SmallJob job;
+  TestWorker worker;
+  ASSERT_TRUE(job.RunOn({&worker}).ok());
+  for (const TaskSpec& spec : {job.Analyse(0, 1), job.Estimate(1, 0), job.Refine(1, 0, 2)}) {
+    const ArtifactInfo made = *worker.Execute(spec, job.config).artifact;
+    Damage(worker, made.key);
+    const TaskOutcome again = worker.Execute(spec, job.config);
+    ASSERT_TRUE(again.status.ok()) << again.status.message();
+    EXPECT_FALSE(again.stats.reused) << TaskName(spec.id);
+    EXPECT_EQ(again.artifact, made);
+    EXPECT_TRUE(worker.store->Get(made.key).ok()) << "what others are given";
+  }
+}
+
 TEST(TaskExecutor, BlocksOfAFrameShareItsAnalysis) {
   SmallJob job;
   TestWorker holder;

@@ -1,0 +1,132 @@
+// A farm over several hosts whose network fails. The coordinator and its clients are on host 0, a worker on each of the
+// others.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <ostream>
+
+#include "tests/system/disturbed_job.h"
+#include "tests/system/network_lab.h"
+#include "tests/system/support.h"
+
+namespace depthfarm::system_test {
+namespace {
+
+constexpr int kWorkers = 3;
+
+int Count(const std::string& text, const std::string& word) {
+  int count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+  return count;
+}
+
+class Network : public DisturbedJob {
+ protected:
+  void SetUp() override {
+    lab_.emplace(1 + kWorkers);
+    if (!lab_->problem().empty()) GTEST_SKIP() << lab_->problem();
+    DisturbedJob::SetUp();
+    expected_ = Undisturbed();
+    ASSERT_EQ(Depthfarm({"keygen", "-o", folder_ / "keys"}).exit_code, 0);
+    coordinators_.emplace(*lab_, 0);
+    farm_.emplace("tcp://" + NetworkLab::AddressOf(0) + ":*", folder_ / "keys");
+    ASSERT_TRUE(farm_->ok()) << farm_->problem();
+    for (int host = 1; host <= kWorkers; ++host) {
+      const NetworkLab::On its_host(*lab_, host);
+      farm_->AddWorker({"--advertise", NetworkLab::AddressOf(host), "--name", "host-" + std::to_string(host)});
+    }
+    ASSERT_TRUE(WaitForWorkers(kWorkers)) << farm_->Logs();
+  }
+  void TearDown() override { coordinators_.reset(); }
+
+  [[nodiscard]] bool WaitForWorkers(std::size_t workers) {
+    return WaitUntil([&] {
+      const auto there = farm_->client().ListWorkers();
+      return there.ok() && there->size() == workers;
+    });
+  }
+  // Times that the worker of a host has said Hello.
+  [[nodiscard]] int Hellos(int host) const { return Count(farm_->LogOf(host - 1), " hello "); }
+
+  std::optional<NetworkLab> lab_;
+  std::map<std::string, std::string> expected_;
+  std::optional<NetworkLab::On> coordinators_;  // host, where this thread is
+  std::optional<Farm> farm_;
+};
+
+struct Cut {
+  const char* name;
+  std::string (NetworkLab::*make)(int host) const;
+};
+void PrintTo(const Cut& cut, std::ostream* out) { *out << cut.name; }
+
+class CutOff : public Network, public testing::WithParamInterface<Cut> {};
+INSTANTIATE_TEST_SUITE_P(By, CutOff,
+                         testing::Values(Cut{"ItsCable", &NetworkLab::Cut}, Cut{"NotBeingHeard", &NetworkLab::Mute},
+                                         Cut{"NotHearing", &NetworkLab::Deafen}),
+                         [](const testing::TestParamInfo<Cut>& cut) { return std::string(cut.param.name); });
+
+TEST_P(CutOff, AWorkerIsReplacedAndWelcomeAgain) {
+  const std::string output = folder_ / "out";
+  const std::uint64_t job = Submit(*farm_, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(*farm_, job, 20));
+  ASSERT_EQ(((*lab_).*GetParam().make)(1), "");
+  ExpectDone(*farm_, job, output, expected_);
+  ASSERT_TRUE(WaitForWorkers(kWorkers - 1)) << farm_->Logs();
+  ASSERT_EQ(lab_->Heal(1), "");
+  ASSERT_TRUE(WaitForWorkers(kWorkers)) << farm_->Logs();
+  ExpectNextJobIsRight(*farm_, expected_);
+}
+
+TEST_F(Network, HealedInTheMiddleOfAJobHasItGoOnWithAllWorkers) {
+  const std::string output = folder_ / "out";
+  const std::uint64_t job = Submit(*farm_, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(*farm_, job, 10));
+  ASSERT_EQ(lab_->Cut(1), "");
+  ASSERT_EQ(lab_->Cut(2), "");
+  ASSERT_EQ(lab_->Cut(3), "");
+  ASSERT_TRUE(WaitForWorkers(0)) << farm_->Logs();
+  for (int host = 1; host <= kWorkers; ++host) ASSERT_EQ(lab_->Heal(host), "");
+  ASSERT_TRUE(WaitForWorkers(kWorkers)) << farm_->Logs();
+  ExpectDone(*farm_, job, output, expected_);
+  ExpectNextJobIsRight(*farm_, expected_);
+}
+
+TEST_F(Network, WithoutTheCoordinatorForMoreThanALeaseHasTheJobGoOn) {
+  const std::string output = folder_ / "out";
+  const std::uint64_t job = Submit(*farm_, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(*farm_, job, 20));
+  ASSERT_EQ(lab_->Cut(0), "");
+  // Those that are lost say Hello again to nobody.
+  ASSERT_TRUE(WaitUntil([&] { return Hellos(1) > 1 && Hellos(2) > 1 && Hellos(3) > 1; })) << farm_->Logs();
+  ASSERT_TRUE(WaitForWorkers(0)) << farm_->Logs();
+  EXPECT_EQ(farm_->client().GetStatus(job).value().state(), v1::JOB_STATE_RUNNING);
+  ASSERT_EQ(lab_->Heal(0), "");
+  ExpectDone(*farm_, job, output, expected_);
+  ASSERT_TRUE(WaitForWorkers(kWorkers)) << farm_->Logs();
+  ExpectNextJobIsRight(*farm_, expected_);
+}
+
+TEST_F(Network, ThatLosesATenthOfAllPacketsIsSlowerAndNoMore) {
+  constexpr int kPercent = 10;
+  const std::string output = folder_ / "out";
+  for (int host = 1; host <= kWorkers; ++host) ASSERT_EQ(lab_->Lose(host, kPercent), "");
+  const std::uint64_t job = Submit(*farm_, output);
+  ExpectDone(*farm_, job, output, expected_);
+  for (int host = 1; host <= kWorkers; ++host) ASSERT_EQ(lab_->Heal(host), "");
+  ExpectNextJobIsRight(*farm_, expected_);
+}
+
+TEST_F(Network, ThatPartsTwoWorkersHasThemMakeAgainWhatTheyCannotFetch) {
+  const std::string output = folder_ / "out";
+  const std::uint64_t job = Submit(*farm_, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(*farm_, job, 20));
+  ASSERT_EQ(lab_->Part(1, 2), "");
+  ExpectDone(*farm_, job, output, expected_);
+  ASSERT_EQ(lab_->Heal(1), "");
+  ExpectNextJobIsRight(*farm_, expected_);
+}
+
+}  // namespace
+}  // namespace depthfarm::system_test
