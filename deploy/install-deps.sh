@@ -21,7 +21,7 @@ build_libraries=(
   prometheus-cpp-dev libcpp-httplib-dev
 )
 test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd fish zsh mandoc
-  iproute2 nftables strace)
+  iproute2 nftables strace python3-kubernetes)
 python_packages=(pybind11-dev python3-dev python3-numpy)
 test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev libopencv-calib3d-dev)
 fuzz_tools=(clang libclang-rt-14-dev)
