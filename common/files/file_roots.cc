@@ -2,21 +2,27 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 
 namespace depthfarm {
 namespace {
 
 namespace fs = std::filesystem;
 
+Result<fs::path> FolderOf(const std::string& option, const std::string& name) {
+  const auto refuse = [&](const std::string& why) { return InvalidArgument(option + " '" + name + "': " + why); };
+  if (!fs::path(name).is_absolute()) return refuse("expected an absolute path");
+  std::error_code error;
+  fs::path folder = fs::canonical(name, error);
+  if (error) return refuse(error.message());
+  if (!fs::is_directory(folder, error)) return refuse("is not a folder");
+  return folder;
+}
+
 Result<std::vector<fs::path>> FoldersOf(const std::string& option, const std::vector<std::string>& names) {
   std::vector<fs::path> folders;
   for (const std::string& name : names) {
-    const auto refuse = [&](const std::string& why) { return InvalidArgument(option + " '" + name + "': " + why); };
-    if (!fs::path(name).is_absolute()) return refuse("expected an absolute path");
-    std::error_code error;
-    fs::path folder = fs::canonical(name, error);
-    if (error) return refuse(error.message());
-    if (!fs::is_directory(folder, error)) return refuse("is not a folder");
+    DEPTHFARM_ASSIGN_OR_RETURN(fs::path folder, FolderOf(option, name));
     folders.push_back(std::move(folder));
   }
   return folders;
