@@ -264,4 +264,10 @@ void FakeFarm::Apply(const JobEnded& event) {
   EXPECT_TRUE(ended.emplace(event.job.id, event.job).second) << "a job ends once";
 }
 
+const Grant& RunUntil(FakeFarm& farm, WorkerId worker, TaskKind kind) {
+  for (int i = 0; i < 1000 && farm.Running(worker).task.spec.id.kind != kind; ++i) farm.Finish(worker);
+  EXPECT_EQ(farm.Running(worker).task.spec.id.kind, kind);
+  return farm.Running(worker);
+}
+
 }  // namespace depthfarm

@@ -116,6 +116,9 @@ class FakeFarm {
   std::uint64_t last_worker_ = 0;
 };
 
+// Runs tasks on one worker until it is given one of the kind.
+const Grant& RunUntil(FakeFarm& farm, WorkerId worker, TaskKind kind);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_TESTS_COORDINATOR_SCHEDULING_FAKE_FARM_H_

@@ -25,13 +25,6 @@ std::uint64_t MemoryOf(const PlannedJob& job, TaskKind kind) {
   return CostModel(job.config.resolved).Of({JobId(1), 0, kind, 0, 0}).peak_memory_bytes - kProcessMemoryBytes;
 }
 
-// Runs tasks on one worker until it is given one of the kind.
-const Grant& RunUntil(FakeFarm& farm, WorkerId worker, TaskKind kind) {
-  for (int i = 0; i < 1000 && farm.Running(worker).task.spec.id.kind != kind; ++i) farm.Finish(worker);
-  EXPECT_EQ(farm.Running(worker).task.spec.id.kind, kind);
-  return farm.Running(worker);
-}
-
 TEST(Scheduler, AMergeGoesToTheWorkerThatHoldsItsInputs) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.frames = 1, .views = 2, .blocks_i = 2}));
