@@ -74,9 +74,10 @@ class RuleWriter {
 // A row of labels with a 0, as labels outside the map count, at either end.
 using FramedRow = std::vector<SegmentIndex>;
 
-// Apart from what is done with them, so that it goes by vectors: hence no LabelsAround, which GCC 12 does not see
-// through.
+// What LabelsAround says, written out: of its members and truth values GCC 12 makes no vectors. LabelCodec's tests read
+// back what this writes by LabelsAround.
 void FindRules(const FramedRow& above_row, const FramedRow& row, std::vector<std::uint8_t>& followed) {
+  constexpr std::uint32_t kRules[kNumRules] = {kLikelier, kOther, kAboveRight, kExplicit};
   const SegmentIndex* const here = row.data();
   const SegmentIndex* const over = above_row.data();
   std::uint8_t* const to = followed.data();
@@ -89,9 +90,9 @@ void FindRules(const FramedRow& above_row, const FramedRow& row, std::vector<std
     const SegmentIndex above_right = over[x + 2];
     const SegmentIndex likelier = left == above_left ? above : left;
     const SegmentIndex other = left == above_left ? left : above;
-    std::uint32_t rule = label == above_right ? 2U : 3U;
-    rule = label == other ? 1U : rule;
-    rule = label == likelier ? 0U : rule;
+    std::uint32_t rule = label == above_right ? kRules[kAboveRight] : kRules[kExplicit];
+    rule = label == other ? kRules[kOther] : rule;
+    rule = label == likelier ? kRules[kLikelier] : rule;
     const std::uint32_t context = (left == above ? 1U : 0U) | (left == above_left ? 2U : 0U) |
                                   (above == above_left ? 4U : 0U) | (above_right == above ? 8U : 0U) |
                                   (above_right == left ? 16U : 0U);
