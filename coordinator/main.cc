@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "common/files/atomic_file.h"
-#include "common/files/state_folder.h"
+#include "common/files/user_folders.h"
 #include "common/log/log.h"
 #include "common/transport/descriptor_limit.h"
 #include "coordinator/journal/journal.h"

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/files/atomic_file.h"
-#include "common/files/state_folder.h"
+#include "common/files/user_folders.h"
 
 namespace depthfarm {
 namespace {
