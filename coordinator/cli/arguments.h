@@ -33,6 +33,8 @@ struct LocalFarmArguments {
   int threads = 1;             // of each worker
   std::string worker_log_dir;  // empty: the private temporary folder
   std::string log_level = "info";
+  std::string cache_dir;   // shared by the workers and kept; empty: the private temporary folder
+  std::string cache_size;  // its bound, bytes; empty: the worker's own
 };
 
 struct DemoArguments {
@@ -42,6 +44,7 @@ struct RunArguments {
   JobArguments job;
   LocalFarmArguments farm;
   EngineArguments engine;
+  bool no_cache = false;
   bool json = false;
 };
 struct PlanArguments {

@@ -95,9 +95,11 @@ Result<int> AddRun(const BenchArguments& arguments, const PresetRequest& asked, 
                                                                           .allow_outside = arguments.allow_outside,
                                                                           .estimation = asked.estimation}));
   std::cerr << asked.name << ", run " << preset.runs.size() + 1 << " of " << arguments.repeats << ": ";
-  DEPTHFARM_ASSIGN_OR_RETURN(
-      LocalJob job,
-      RunLocally(request, {.workers = arguments.workers, .threads = arguments.threads, .worker_log_dir = ""}));
+  DEPTHFARM_ASSIGN_OR_RETURN(LocalJob job, RunLocally(request, {.workers = arguments.workers,
+                                                                .threads = arguments.threads,
+                                                                .worker_log_dir = "",
+                                                                .cache_dir = "",
+                                                                .cache_size = ""}));
   if (job.status.state() != v1::JOB_STATE_DONE) {
     std::cerr << "depthfarm: preset " << asked.name << ": " << job.status.error().message() << "\n" << job.log_tails;
     return ExitCodeOfJob(job.status);

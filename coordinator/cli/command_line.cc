@@ -100,6 +100,17 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
       "Worker processes; default: one per core. Of another engine also bounds, as many as there is work for");
   AddThreads(app, arguments.farm.threads)->group(kWorkersGroup);
   AddEngine(app, arguments.engine, "--slurm-partition");
+  CLI::Option* cache_dir = app.get_option("--cache-dir");
+  cache_dir->description(
+      "Folder of the artifacts, shared by the workers and kept: a run that was interrupted, or one with more frames "
+      "or other output, computes only what is new. Default: depthfarm/artifacts in $XDG_CACHE_HOME or ~/.cache; of "
+      "another engine's machines temporary ones");
+  CLI::Option* cache_size = app.get_option("--cache-size");
+  cache_size->description("Bound of that folder; default: 8GB, and on this machine at most a tenth of its file system");
+  app.add_flag("--no-cache", arguments.no_cache, "Reuse nothing and keep nothing")
+      ->excludes(cache_dir)
+      ->excludes(cache_size)
+      ->group(kWorkersGroup);
   app.add_option("--worker-log-dir", arguments.farm.worker_log_dir,
                  "Keep the logs of coordinator and workers in this folder; default: a temporary one, removed")
       ->type_name("DIR")
@@ -112,8 +123,9 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
   AddJsonFlag(app, arguments.json);
   app.footer(
       "Starts a coordinator and workers on this machine, waits for the job, writes DIR/run.json (times, memory) and\n"
-      "stops everything. Ctrl-C cancels and cleans up. The depth is the same bytes whatever --workers and --threads "
-      "are.\n"
+      "stops everything. Ctrl-C cancels and cleans up; the same command then goes on where it was. The depth is the "
+      "same\n"
+      "bytes whatever --workers and --threads are.\n"
       "With --engine it brings a cluster up for the job and takes it down after it: depthfarm cluster up --help.\n"
       "Examples:\n"
       "  depthfarm run ballet/cameras.json -o out\n"

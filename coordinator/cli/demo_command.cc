@@ -28,11 +28,12 @@ int ShowMedia(const std::vector<std::string>& words) {
 }
 
 int RunFarm(const std::string& sequence, const std::string& output_dir) {
-  std::cout << "\n$ depthfarm run " << sequence << " -o " << output_dir << " --workers 2\n" << std::flush;
+  std::cout << "\n$ depthfarm run " << sequence << " -o " << output_dir << " --workers 2 --no-cache\n" << std::flush;
   RunArguments run;
   run.job.sequence = sequence;
   run.job.output_dir = output_dir;
   run.engine.workers = "2";
+  run.no_cache = true;  // it shows the work
   return Execute(run);
 }
 

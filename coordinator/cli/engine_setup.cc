@@ -47,11 +47,13 @@ Result<ClusterOptions> ResolveClusterOptions(const EngineArguments& arguments) {
 }
 
 Status CheckNoEngineOptions(const EngineArguments& arguments) {
-  if (arguments.options == ClusterOptions() && arguments.state_dir.empty()) return {};
+  ClusterOptions options = arguments.options;
+  options.cache_dir.clear();
+  options.cache_size.clear();
+  if (options == ClusterOptions() && arguments.state_dir.empty()) return {};
   return InvalidArgument(
-      "options of an engine or of its workers, such as --slurm-partition, --hosts, --slots or --cache-dir, need "
-      "--engine "
-      "slurm or --engine ssh");
+      "options of an engine or of its workers, such as --slurm-partition, --hosts or --slots, need --engine slurm or "
+      "--engine ssh");
 }
 
 }  // namespace depthfarm

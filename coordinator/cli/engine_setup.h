@@ -11,7 +11,7 @@ namespace depthfarm {
 // (`--state`, or of the cluster's name). kInvalidArgument: options that are wrong or do not fit each other.
 [[nodiscard]] Result<ClusterOptions> ResolveClusterOptions(const EngineArguments& arguments);
 
-// That nothing was said about an engine: for a run on this machine. kInvalidArgument: it was.
+// That nothing was said about an engine but a cache, which a run on this machine has too. kInvalidArgument: it was.
 [[nodiscard]] Status CheckNoEngineOptions(const EngineArguments& arguments);
 
 }  // namespace depthfarm

@@ -36,6 +36,7 @@ LocalFarm::LocalFarm(LocalFarmOptions options, PrivateFolder folder)
       folder_(std::move(folder)),
       endpoint_("ipc://" + (folder_.path() / "coordinator").string()) {
   if (options_.log_dir.empty()) options_.log_dir = folder_.path() / "logs";
+  if (options_.cache_dir.empty()) options_.cache_dir = folder_.path() / "cache";
 }
 
 Result<std::unique_ptr<LocalFarm>> LocalFarm::Start(const LocalFarmOptions& options) {
@@ -68,7 +69,7 @@ Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
   std::vector<std::string> arguments = {"--coordinator",
                                         endpoint_,
                                         "--cache-dir",
-                                        (folder_.path() / (name + "-cache")).string(),
+                                        options_.cache_dir.string(),
                                         "--threads",
                                         std::to_string(options_.threads),
                                         "--exit-with-parent",
@@ -76,6 +77,7 @@ Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
                                         "30",
                                         "--log-level",
                                         options_.log_level};
+  if (!options_.cache_size.empty()) arguments.insert(arguments.end(), {"--cache-size", options_.cache_size});
   if (options_.task_memory_bytes > 0) {
     arguments.insert(arguments.end(), {"--task-memory", std::to_string(options_.task_memory_bytes)});
   }

@@ -18,13 +18,15 @@ struct LocalFarmOptions {
   int threads = 1;                // of each worker
   std::filesystem::path log_dir;  // empty: in the private folder, gone with it
   std::string log_level = "info";
+  std::filesystem::path cache_dir;      // shared by the workers and kept; empty: in the private folder, gone with it
+  std::string cache_size;               // its bound, bytes; empty: the worker's own
   std::uint64_t task_memory_bytes = 0;  // of each worker; 0: as much as a worker alone on this machine
   int max_respawns = 5;                 // of workers, in all
 };
 
 // A coordinator and workers on this machine, talking over sockets in a private folder (0700) that also holds the
-// workers' caches. Everything is gone when it ends, however it ends: processes by the kernel's parent-death signal if
-// need be.
+// workers' cache unless another one is named. Everything but that is gone when it ends, however it ends: processes by
+// the kernel's parent-death signal if need be.
 class LocalFarm {
  public:
   // kUnavailable: the programs are not beside this one, or the folder cannot be made.

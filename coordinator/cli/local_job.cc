@@ -38,6 +38,8 @@ Result<LocalJob> RunLocally(const JobRequest& request, const LocalFarmArguments&
                                                                                 .threads = arguments.threads,
                                                                                 .log_dir = arguments.worker_log_dir,
                                                                                 .log_level = arguments.log_level,
+                                                                                .cache_dir = arguments.cache_dir,
+                                                                                .cache_size = arguments.cache_size,
                                                                                 .task_memory_bytes = task_memory}));
   Result<v1::JobStatus> job = RunOnFarm({.target = {.endpoint = farm->endpoint(), .keys_dir = ""},
                                          .ended = [&farm] { return farm->CoordinatorEnded(); },

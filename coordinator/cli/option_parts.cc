@@ -5,6 +5,17 @@
 #include "coordinator/clusters/cluster_options.h"
 
 namespace depthfarm {
+namespace {
+
+// CLI11 takes -1 for a size of 20 digits.
+CLI::Validator SizeWithoutMinus() {
+  return {[](const std::string& text) {
+            return text.find('-') == std::string::npos ? "" : "is '" + text + "', expected a size such as 8GB";
+          },
+          ""};
+}
+
+}  // namespace
 
 void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }
 
@@ -69,11 +80,7 @@ void AddEngine(CLI::App& app, EngineArguments& arguments, const char* partition)
                  "this one. "
                  "Name it where a host of ssh runs several")
       ->transform(CLI::AsSizeValue(false).description(""))
-      ->transform(CLI::Validator(  // CLI11 takes -1 for a size of 20 digits
-          [](const std::string& text) {
-            return text.find('-') == std::string::npos ? "" : "is '" + text + "', expected a size such as 8GB";
-          },
-          ""))
+      ->transform(SizeWithoutMinus())
       ->type_name("SIZE")
       ->group(kWorkersGroup);
   app.add_option("--worker-program", options.worker_program,
@@ -85,6 +92,8 @@ void AddEngine(CLI::App& app, EngineArguments& arguments, const char* partition)
       ->type_name("DIR")
       ->group(kWorkersGroup);
   app.add_option("--cache-size", options.cache_size, "Bound of that folder; default: 8GB")
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->transform(SizeWithoutMinus())
       ->type_name("SIZE")
       ->group(kWorkersGroup);
   app.add_option("--path-map", options.path_map,

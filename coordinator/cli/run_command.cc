@@ -10,6 +10,7 @@
 #include "coordinator/cli/exit_codes.h"
 #include "coordinator/cli/interruption.h"
 #include "coordinator/cli/job_request.h"
+#include "coordinator/cli/kept_cache.h"
 #include "coordinator/cli/local_job.h"
 #include "coordinator/cli/progress.h"
 #include "coordinator/cli/report.h"
@@ -31,6 +32,14 @@ nlohmann::ordered_json RunJson(const JobRequest& request, const LocalJob& job) {
   return json;
 }
 
+// What was computed is there for the next run, which goes on where this one was interrupted.
+Result<KeptCache> CacheOf(const RunArguments& arguments) {
+  if (arguments.no_cache) return KeptCache();
+  DEPTHFARM_ASSIGN_OR_RETURN(KeptCache cache, OpenKeptCache(arguments.engine.options.cache_dir));
+  if (!cache.note.empty()) std::cerr << "depthfarm: " << cache.note << "\n";
+  return cache;
+}
+
 // On this machine, or on an engine.
 Result<LocalJob> RunOnOwnFarm(const JobRequest& request, const RunArguments& arguments) {
   DEPTHFARM_ASSIGN_OR_RETURN(const EngineKind engine, ParseEngine(arguments.engine.engine));
@@ -49,7 +58,17 @@ Result<LocalJob> RunOnOwnFarm(const JobRequest& request, const RunArguments& arg
     if (workers.min != workers.max) return InvalidArgument("bounds of --workers need --engine slurm or --engine ssh");
     farm.workers = workers.max;
   }
-  return RunLocally(request, farm);
+  DEPTHFARM_ASSIGN_OR_RETURN(const KeptCache cache, CacheOf(arguments));
+  if (!cache.folder.empty()) {
+    farm.cache_dir = cache.folder.string();
+    farm.cache_size = arguments.engine.options.cache_size;
+    if (farm.cache_size.empty()) farm.cache_size = std::to_string(cache.bytes);
+  }
+  Result<LocalJob> job = RunLocally(request, farm);
+  if (!job.ok() && Interrupted() && !cache.folder.empty()) {
+    std::cerr << "depthfarm: what was computed is kept: the same command goes on from there\n";
+  }
+  return job;
 }
 
 }  // namespace

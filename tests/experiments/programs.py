@@ -75,7 +75,8 @@ class Programs:
                               ["run", str(sequence), *options])
         if not (folder / "run.json").exists():
             self._make(folder, lambda part: self._run(
-                "depthfarm", ["run", str(sequence), "-o", str(part), "--workers", str(self.workers), *options]))
+                "depthfarm",
+                ["run", str(sequence), "-o", str(part), "--workers", str(self.workers), "--no-cache", *options]))
         report = json.loads((folder / "run.json").read_text())
         manifest = json.loads((folder / "depth.json").read_text())
         stages = {stage["stage"]: stage["cpuSeconds"] for stage in report["stages"]}

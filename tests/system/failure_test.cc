@@ -14,6 +14,7 @@ namespace depthfarm::system_test {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
@@ -107,13 +108,18 @@ class RunInBackground : public Failure {
     Failure::SetUp();
     ::setenv("TMPDIR", temporary_root_.path().c_str(), 1);
     output_ = folder_ / "run";
-    const Words words = Words{"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob();
+    StartRun();
+  }
+  void TearDown() override { ::unsetenv("TMPDIR"); }
+
+  void StartRun() {
+    const Words words = Words{"run", sequence_, "-o", output_, "--workers", "2"} + Kept() + LongerJob();
     Result<ChildProcess> run = ChildProcess::Start(Program("depthfarm"), words, folder_ / "run.log");
     ASSERT_TRUE(run.ok()) << run.status().message();
     run_.emplace(std::move(*run));
   }
-  void TearDown() override { ::unsetenv("TMPDIR"); }
 
+  Words Kept() { return {"--cache-dir", folder_ / "kept"}; }
   std::string Log() { return ReadFile(folder_ / "run.log"); }
   std::vector<pid_t> Workers() { return ChildrenOf(run_->pid(), "depthfarm-worker"); }
 
@@ -195,6 +201,34 @@ TEST_F(RunInBackground, ItsFolderIsFitForTheNextRunAfterAnInterruption) {
   const Outcome again = Depthfarm(Words{"run", sequence_, "-o", output_, "--workers", "2"} + LongerJob());
   EXPECT_EQ(again.exit_code, 0) << again.output;
   EXPECT_THAT(Differences(Undisturbed(), DepthOf(output_)), IsEmpty());
+}
+
+TEST_F(RunInBackground, TheNextRunGoesOnWhereItWasInterruptedOrKilled) {
+  for (const int signal : {SIGINT, SIGKILL}) {
+    SCOPED_TRACE(signal);
+    ASSERT_NO_FATAL_FAILURE(WaitForAFrame());
+    const std::vector<pid_t> workers = Workers();
+    run_->Signal(signal);
+    ASSERT_TRUE(run_->WaitFor(kDeadline).has_value()) << Log();
+    ASSERT_TRUE(AllGone(workers));
+    if (signal == SIGINT) {
+      EXPECT_THAT(Log(), HasSubstr("goes on from there"));
+    }
+    const Outcome again =
+        Depthfarm(Words{"run", sequence_, "-o", output_, "--workers", "3", "--json"} + Kept() + LongerJob());
+    ASSERT_EQ(again.exit_code, 0) << again.output;
+    const Words difference = Differences(Undisturbed(), DepthOf(output_));
+    EXPECT_THAT(difference, IsEmpty());
+    std::size_t reused = 0;
+    const nlohmann::json record = ParseJsonTail(again.output);
+    for (const nlohmann::json& stage : record["stages"]) reused += stage.at("reused").get<std::size_t>();
+    EXPECT_GT(reused, 0U) << again.output;
+    fs::remove_all(folder_ / "kept");
+    fs::remove_all(output_);
+    if (signal == SIGINT) {
+      ASSERT_NO_FATAL_FAILURE(StartRun());
+    }
+  }
 }
 
 }  // namespace

@@ -54,7 +54,11 @@ Outcome RunProgram(const std::string& name, const Words& arguments) {
   return outcome;
 }
 
-Outcome Depthfarm(const Words& words) { return RunProgram("depthfarm", words); }
+Outcome Depthfarm(const Words& words) {
+  const auto says = [&](const char* option) { return std::ranges::find(words, option) != words.end(); };
+  const bool may_reuse = !words.empty() && words.front() == "run" && !says("--cache-dir") && !says("--no-cache");
+  return RunProgram("depthfarm", may_reuse ? words + Words{"--no-cache"} : words);
+}
 
 nlohmann::json ParseJsonTail(const std::string& output) {
   for (std::size_t at = 0; at < output.size();) {

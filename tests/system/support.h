@@ -51,7 +51,7 @@ struct Outcome {
 };
 // Runs a program of ours to its end.
 [[nodiscard]] Outcome RunProgram(const std::string& name, const Words& arguments);
-// `depthfarm` with these words. The same, but of stdout and stderr only what is JSON on stdout: see ParseJsonTail.
+// `depthfarm` with these words; `run` computes everything (--no-cache) unless they name a --cache-dir.
 [[nodiscard]] Outcome Depthfarm(const Words& words);
 // The JSON document that ends `output` (progress may come before it); discarded when there is none.
 [[nodiscard]] nlohmann::json ParseJsonTail(const std::string& output);

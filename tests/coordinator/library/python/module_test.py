@@ -61,7 +61,7 @@ class EstimateDepth(unittest.TestCase):
             scene = os.path.join(folder, "scene")
             run = lambda *words: subprocess.run([os.path.join(PROGRAM_DIR, "depthfarm"), *words], check=True, capture_output=True)
             run("scene", "arc", "-o", scene, "--cameras", "3", "--frames", "2", "--size", "160x120")
-            run("run", scene + "/sequence.json", "-o", folder + "/out", "--workers", "1", "--segments", "600", "--levels", "32")
+            run("run", scene + "/sequence.json", "-o", folder + "/out", "--workers", "1", "--no-cache", "--segments", "600", "--levels", "32")
             with open(scene + "/sequence.json") as file:
                 sequence = json.load(file)
             with open(folder + "/out/depth.json") as file:

@@ -1,0 +1,103 @@
+// What `depthfarm run` keeps for the next one.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): setenv is POSIX
+
+#include <map>
+
+#include "tests/system/support.h"
+
+namespace depthfarm::system_test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+struct Counts {
+  int total = 0;
+  int reused = 0;
+  bool operator==(const Counts&) const = default;
+};
+
+// Of a run's --json.
+Counts TasksOf(const Outcome& run) {
+  Counts counts;
+  for (const nlohmann::json& stage : ParseJsonTail(run.output)["stages"]) {
+    // What is written into the output folder is of each run.
+    if (const std::string name = stage.at("stage"); name != "analyse" && name != "estimate" && name != "refine")
+      continue;
+    counts.total += stage.at("tasksTotal").get<int>();
+    counts.reused += stage.at("reused").get<int>();
+  }
+  return counts;
+}
+
+class KeptCache : public testing::Test {
+ protected:
+  void SetUp() override {
+    sequence_ = RenderScene(folder_.path() / "scene");
+    ::setenv("XDG_CACHE_HOME", (folder_ / "user").c_str(), 1);
+  }
+  void TearDown() override { ::unsetenv("XDG_CACHE_HOME"); }
+
+  Outcome Run(const std::string& output, const Words& options) {
+    return RunProgram("depthfarm", Words{"run", sequence_, "-o", folder_ / output, "--workers", "2", "--json"} +
+                                       SmallJob() + options);
+  }
+  fs::path OfUser() { return folder_.path() / "user" / "depthfarm"; }
+
+  TemporaryFolder folder_;
+  std::string sequence_;
+};
+
+TEST_F(KeptCache, IsTheUsersAndSparesTheSameWork) {
+  const Outcome first = Run("first", {"--frames", "0:2"});
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_EQ(TasksOf(first).reused, 0) << first.output;
+  EXPECT_TRUE(fs::is_regular_file(OfUser() / "CACHEDIR.TAG"));
+  EXPECT_EQ(fs::status(OfUser() / "artifacts").permissions(), fs::perms::owner_all);
+
+  const Outcome longer = Run("longer", {});
+  ASSERT_EQ(longer.exit_code, 0) << longer.output;
+  EXPECT_EQ(TasksOf(longer).reused, TasksOf(first).total) << longer.output;
+  const Outcome again = Run("again", {"--threads", "2"});
+  ASSERT_EQ(again.exit_code, 0) << again.output;
+  EXPECT_EQ(TasksOf(again).reused, TasksOf(longer).total) << again.output;
+
+  const Outcome anew = Run("anew", {"--no-cache"});
+  ASSERT_EQ(anew.exit_code, 0) << anew.output;
+  EXPECT_EQ(TasksOf(anew), (Counts{TasksOf(longer).total, 0})) << anew.output;
+  for (const char* kept : {"longer", "again"})
+    EXPECT_THAT(Differences(DepthOf(folder_ / "anew"), DepthOf(folder_ / kept)), IsEmpty()) << kept;
+}
+
+TEST_F(KeptCache, IsAnotherFolderOnRequest) {
+  const Words named = {"--frames", "0:1", "--cache-dir", folder_ / "named/below", "--cache-size", "100MB"};
+  ASSERT_EQ(Run("out", named).exit_code, 0);
+  EXPECT_FALSE(fs::exists(OfUser()));
+  EXPECT_TRUE(fs::exists(folder_ / "named/below/lock"));
+  const Outcome again = Run("out", named);
+  EXPECT_EQ(TasksOf(again).reused, TasksOf(again).total) << again.output;
+}
+
+TEST_F(KeptCache, IsDoneWithoutWhereThereCanBeNone) {
+  ::setenv("XDG_CACHE_HOME", "/proc/nothing", 1);
+  const Outcome run = Run("out", {"--frames", "0:1"});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("nothing is kept for the next run in /proc/nothing/depthfarm/artifacts"),
+                                HasSubstr("--cache-dir names another folder")));
+  EXPECT_THAT(Run("out", {"--frames", "0:1", "--no-cache"}).output, Not(HasSubstr("nothing is kept")));
+}
+
+TEST_F(KeptCache, CannotBeAFile) {
+  const Outcome run = Run("out", {"--cache-dir", sequence_});
+  EXPECT_EQ(run.exit_code, 2) << run.output;
+  EXPECT_THAT(run.output, AllOf(HasSubstr("--cache-dir"), HasSubstr(sequence_)));
+  EXPECT_FALSE(fs::exists(folder_ / "out/depth.json"));
+}
+
+}  // namespace
+}  // namespace depthfarm::system_test
