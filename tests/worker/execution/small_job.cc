@@ -217,4 +217,14 @@ Status SmallJob::RunOn(const std::vector<TestWorker*>& workers) {
   return run(Manifest());
 }
 
+Status AnalyseFirstFrame(SmallJob& job, TestWorker& worker) {
+  for (int view = 0; view < 3; ++view) {
+    const TaskSpec spec = job.Analyse(0, view);
+    const TaskOutcome outcome = worker.Execute(spec, job.config);
+    DEPTHFARM_RETURN_IF_ERROR(outcome.status);
+    job.Note(spec, outcome);
+  }
+  return {};
+}
+
 }  // namespace depthfarm

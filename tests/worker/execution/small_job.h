@@ -72,6 +72,9 @@ class SmallJob {
   std::map<int, std::vector<OutputFile>> files_;  // by frame
 };
 
+// All views of the I frame.
+[[nodiscard]] Status AnalyseFirstFrame(SmallJob& job, TestWorker& worker);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_TESTS_WORKER_EXECUTION_SMALL_JOB_H_

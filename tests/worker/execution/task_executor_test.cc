@@ -4,29 +4,21 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <set>
-#include <utility>
+#include <string>
 #include <vector>
 
 #include "common/digest/sha256.h"
 #include "common/files/atomic_file.h"
 #include "common/files/file_bundle.h"
 #include "common/media/depth_file.h"
-#include "common/media/grey_picture.h"
-#include "common/media/pfm.h"
 #include "common/sequence/depth_manifest.h"
 #include "tests/worker/execution/small_job.h"
-#include "worker/estimation/label_field_codec.h"
-#include "worker/execution/analysis_key.h"
-#include "worker/segmentation/analysis_codec.h"
 
 namespace depthfarm {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
 using testing::SizeIs;
 
 // Relative path -> content of every file below a folder.
@@ -38,16 +30,6 @@ std::map<std::string, std::string> Contents(const fs::path& folder) {
         ReadFileBytes(entry.path().string(), std::uint64_t{1} << 30).value();
   }
   return contents;
-}
-
-// All views of the I frame are analysed.
-void AnalyseFirstFrame(SmallJob& job, TestWorker& worker) {
-  for (int view = 0; view < 3; ++view) {
-    const TaskSpec spec = job.Analyse(0, view);
-    const TaskOutcome outcome = worker.Execute(spec, job.config);
-    ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
-    job.Note(spec, outcome);
-  }
 }
 
 TEST(TaskExecutor, RunsAWholeJob) {
@@ -172,311 +154,10 @@ TEST(TaskExecutor, ConfidenceIsWrittenBesideTheSameDepthOrMakesHolesInIt) {
   EXPECT_FALSE(with_holes.contains("confidence/" + manifest.cameras[0].camera.name + "/0005.png"));
 }
 
-TEST(TaskExecutor, ARepeatedJobReusesWhatExists) {
-  SmallJob job;
-  TestWorker worker;
-  ASSERT_TRUE(job.RunOn({&worker}).ok());
-  for (const TaskSpec& spec :
-       {job.Analyse(0, 1), job.Estimate(1, 0), job.Merge(1), job.Refine(1, 0, 2), job.Refine(1, 2, 1)}) {
-    const TaskOutcome outcome = worker.Execute(spec, job.config);
-    ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
-    EXPECT_TRUE(outcome.stats.reused) << TaskName(spec.id);
-    EXPECT_EQ(outcome.artifact, worker.store->Find(outcome.artifact->key));
-  }
-}
-
-TEST(TaskExecutor, AnAnalysisThatAnotherWorkerHoldsIsFetchedNotMade) {
-  SmallJob job;
-  TestWorker first;
-  TestWorker second;
-  const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
-  second.fetcher.stores = {first.store.get()};
-  TaskSpec spec = job.Analyse(0, 0);
-  spec.known = TaskInput{*made.artifact, InputRole::kAnalysis, 0, {}};
-  const TaskOutcome outcome = second.Execute(spec, job.config);
-  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
-  EXPECT_TRUE(outcome.stats.reused);
-  EXPECT_EQ(outcome.artifact, made.artifact);
-  EXPECT_EQ(outcome.picture_digest, made.picture_digest);
-  EXPECT_GT(outcome.stats.fetched_bytes, 0U);
-}
-
-TEST(TaskExecutor, AnAnalysisOfAPictureThatChangedIsMadeWhateverTheCoordinatorBelieves) {
-  SmallJob job;
-  TestWorker first;
-  TestWorker second;
-  const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
-  second.fetcher.stores = {first.store.get()};
-  TaskSpec spec = job.Analyse(0, 1);  // as if this were what the file holds now
-  spec.known = TaskInput{*made.artifact, InputRole::kAnalysis, 0, {}};
-  const TaskOutcome outcome = second.Execute(spec, job.config);
-  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
-  EXPECT_FALSE(outcome.stats.reused);
-  EXPECT_NE(outcome.artifact->key, made.artifact->key);
-  EXPECT_EQ(second.fetcher.fetches, 0);
-}
-
-TEST(TaskExecutor, AnAnalysisThatCannotBeFetchedIsMade) {
-  SmallJob job;
-  TestWorker first;
-  TestWorker second;
-  const TaskOutcome made = first.Execute(job.Analyse(0, 0), job.config);
-  TaskSpec spec = job.Analyse(0, 0);
-  spec.known = TaskInput{*made.artifact, InputRole::kAnalysis, 0, {}};
-  const TaskOutcome outcome = second.Execute(spec, job.config);
-  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
-  EXPECT_FALSE(outcome.stats.reused);
-  EXPECT_EQ(outcome.artifact, made.artifact);
-  EXPECT_TRUE(outcome.missing_inputs.empty());
-}
-
-TEST(TaskExecutor, ADamagedArtifactIsMadeAgainNotReused) {
-  SmallJob job;
-  TestWorker worker;
-  const TaskOutcome first = worker.Execute(job.Analyse(0, 0), job.config);
-  ASSERT_TRUE(worker.store->Put(*first.output_key, "rubbish").ok());
-  worker.cache.Erase(*first.output_key);
-  const TaskOutcome second = worker.Execute(job.Analyse(0, 0), job.config);
-  ASSERT_TRUE(second.status.ok()) << second.status.message();
-  EXPECT_FALSE(second.stats.reused);
-  EXPECT_EQ(second.artifact, first.artifact);
-}
-
-// A byte of the file of an artifact, in its place.
-void Damage(const TestWorker& worker, const ArtifactKey& key) {
-  for (const auto& entry : fs::recursive_directory_iterator(worker.folder.path())) {
-    if (entry.path().filename() != Hex(key)) continue;
-    std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
-    file.seekp(-1, std::ios::end).put('\x5a');
-    ASSERT_TRUE(file.flush());
-  }
-}
-
-TEST(TaskExecutor, WhatIsInMemoryDoesNotStandInForADamagedFile) {
-  SmallJob job;
-  TestWorker worker;
-  ASSERT_TRUE(job.RunOn({&worker}).ok());
-  for (const TaskSpec& spec : {job.Analyse(0, 1), job.Estimate(1, 0), job.Refine(1, 0, 2)}) {
-    const ArtifactInfo made = *worker.Execute(spec, job.config).artifact;
-    Damage(worker, made.key);
-    const TaskOutcome again = worker.Execute(spec, job.config);
-    ASSERT_TRUE(again.status.ok()) << again.status.message();
-    EXPECT_FALSE(again.stats.reused) << TaskName(spec.id);
-    EXPECT_EQ(again.artifact, made);
-    EXPECT_TRUE(worker.store->Get(made.key).ok()) << "what others are given";
-  }
-}
-
-TEST(TaskExecutor, BlocksOfAFrameShareItsAnalysis) {
-  SmallJob job;
-  TestWorker holder;
-  AnalyseFirstFrame(job, holder);
-  TestWorker worker;
-  worker.fetcher.stores = {holder.store.get()};
-  const TaskOutcome first = worker.Execute(job.Estimate(0, 0), job.config);
-  ASSERT_TRUE(first.status.ok()) << first.status.message();
-  EXPECT_EQ(worker.fetcher.fetches, 3);
-  EXPECT_GT(first.stats.fetched_bytes, 0);
-  const TaskOutcome second = worker.Execute(job.Estimate(0, 1), job.config);
-  ASSERT_TRUE(second.status.ok());
-  EXPECT_EQ(worker.fetcher.fetches, 3);
-  EXPECT_EQ(second.stats.fetched_bytes, 0);
-}
-
-TEST(TaskExecutor, UsesTheBytesTheJobNamesNotOthersOfTheSameKey) {
-  SmallJob job;
-  TestWorker holder;
-  AnalyseFirstFrame(job, holder);
-  const TaskSpec spec = job.Estimate(0, 0);
-  TestWorker worker;
-  worker.fetcher.stores = {holder.store.get()};
-  const std::string other_view = holder.store->Get(spec.inputs[1].artifact.key).value();
-  ASSERT_TRUE(worker.store->Put(spec.inputs[0].artifact.key, other_view).ok());
-  const TaskOutcome outcome = worker.Execute(spec, job.config);
-  ASSERT_TRUE(outcome.status.ok()) << outcome.status.message();
-  EXPECT_EQ(outcome.artifact, holder.Execute(spec, job.config).artifact);
-}
-
-TEST(TaskExecutor, NamesEveryMissingInput) {
-  SmallJob job;
-  TestWorker holder;
-  AnalyseFirstFrame(job, holder);
-  TestWorker stranger;
-  const TaskSpec spec = job.Estimate(0, 0);
-  const TaskOutcome outcome = stranger.Execute(spec, job.config);
-  EXPECT_EQ(outcome.status.code(), ErrorCode::kUnavailable);
-  EXPECT_THAT(outcome.status.message(), HasSubstr("frame 5"));
-  EXPECT_EQ(outcome.missing_inputs, (std::vector<ArtifactKey>{spec.inputs[0].artifact.key, spec.inputs[1].artifact.key,
-                                                              spec.inputs[2].artifact.key}));
-}
-
-TEST(TaskExecutor, AnErrorOfAPictureNamesCameraFrameAndFile) {
-  SmallJob job;
-  TestWorker worker;
-  AnalyseFirstFrame(job, worker);
-  std::ofstream(job.picture(1, 2)) << "too short";
-  const TaskOutcome outcome = worker.Execute(job.Analyse(1, 2), job.config);
-  EXPECT_EQ(outcome.status.code(), ErrorCode::kInvalidArgument);
-  EXPECT_THAT(outcome.status.message(), HasSubstr("camera 'cam2', frame 6"));
-  EXPECT_THAT(outcome.status.message(), HasSubstr(job.picture(1, 2).string()));
-}
-
-TEST(TaskExecutor, AnAnalysisOfAPFrameIsGivenThatOfTheFrameBeforeAndNoOther) {
-  SmallJob job;
-  TestWorker worker;
-  AnalyseFirstFrame(job, worker);
-  TaskSpec alone = job.Analyse(1, 2);
-  const std::vector<TaskInput> before = std::exchange(alone.inputs, {});
-  EXPECT_EQ(worker.Execute(alone, job.config).status.code(), ErrorCode::kInvalidArgument);
-  TaskSpec of_i_frame = job.Analyse(0, 2);
-  of_i_frame.inputs = before;
-  EXPECT_EQ(worker.Execute(of_i_frame, job.config).status.code(), ErrorCode::kInvalidArgument);
-  TaskSpec of_another_view = job.Analyse(1, 1);
-  of_another_view.inputs = before;
-  EXPECT_EQ(worker.Execute(of_another_view, job.config).status.code(), ErrorCode::kInvalidArgument);
-}
-
-TEST(TaskExecutor, AMissingPictureMayBeReadableElsewhere) {
-  SmallJob job;
-  TestWorker worker;
-  fs::remove(job.picture(0, 0));
-  const TaskOutcome outcome = worker.Execute(job.Analyse(0, 0), job.config);
-  EXPECT_EQ(outcome.status.code(), ErrorCode::kUnavailable);
-  EXPECT_THAT(outcome.status.message(), HasSubstr("camera 'cam0', frame 5"));
-}
-
-TEST(TaskExecutor, AStoppedTaskIsCancelledAndMakesNothing) {
-  SmallJob job;
-  TestWorker worker;
-  AnalyseFirstFrame(job, worker);
-  std::stop_source stop;
-  stop.request_stop();
-  for (const TaskSpec& spec : {job.Analyse(1, 0), job.Estimate(0, 0)}) {
-    const TaskOutcome outcome = worker.executor.Execute(spec, job.config, stop.get_token());
-    EXPECT_EQ(outcome.status.code(), ErrorCode::kCancelled) << TaskName(spec.id);
-    EXPECT_FALSE(outcome.artifact.has_value());
-  }
-}
-
-TEST(TaskExecutor, RefusesAJobOfAnotherAlgorithmVersion) {
-  SmallJob job;
-  TestWorker worker;
-  job.config.algorithm_version = kAlgorithmVersion + 1;
-  EXPECT_EQ(worker.Execute(job.Analyse(0, 0), job.config).status.code(), ErrorCode::kIncompatible);
-}
-
-TEST(TaskExecutor, RefusesTasksThatDoNotFitTheJob) {
-  SmallJob job;
-  TestWorker worker;
-  AnalyseFirstFrame(job, worker);
-  const auto code_of = [&](const TaskSpec& spec) { return worker.Execute(spec, job.config).status.code(); };
-  TaskSpec spec = job.Analyse(0, 0);
-  spec.id.index = 3;
-  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
-  spec = job.Analyse(0, 0);
-  spec.id.frame = 2;
-  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
-  spec = job.Estimate(0, 0);
-  spec.id.index = 2;
-  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
-  spec = job.Estimate(0, 0);
-  spec.inputs.pop_back();
-  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
-  spec = job.Estimate(0, 0);
-  spec.inputs[2].view = 1;
-  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
-  spec = job.Estimate(0, 0);
-  spec.inputs[2].view = 3;
-  EXPECT_EQ(code_of(spec), ErrorCode::kInvalidArgument);
-}
-
-TEST(TaskExecutor, EstimatesOrRendersAsTheJobSays) {
-  SmallJob job;
-  TestWorker worker;
-  TaskSpec render;
-  render.id = {job.config.job, 0, TaskKind::kRender, 0, 0};
-  render.staging = "part-0";
-  const Status not_rendering = worker.Execute(render, job.config).status;
-  EXPECT_EQ(not_rendering.code(), ErrorCode::kInvalidArgument);
-  EXPECT_THAT(not_rendering.message(), HasSubstr("the job estimates depth"));
-  job.config.render = RenderSource{"/nowhere", {}};
-  job.config.resolved = PartsOnly(1);
-  const Status not_estimating = worker.Execute(job.Analyse(0, 0), job.config).status;
-  EXPECT_EQ(not_estimating.code(), ErrorCode::kInvalidArgument);
-  EXPECT_THAT(not_estimating.message(), HasSubstr("the job renders views"));
-  EXPECT_THAT(worker.Execute(render, job.config).status.message(), HasSubstr("/nowhere"));
-}
-
-TEST(TaskExecutor, RefusesRefinementsThatDoNotFitTheJob) {
-  SmallJob job;
-  TestWorker worker;
-  ASSERT_TRUE(job.RunOn({&worker}).ok());
-  int made = 0;
-  const auto status_of = [&](TaskSpec spec) {
-    spec.output_key = Sha256("not made yet " + std::to_string(++made));
-    return worker.Execute(spec, job.config).status;
-  };
-  EXPECT_TRUE(status_of(job.Refine(1, 1, 0)).ok());
-  TaskSpec spec = job.Refine(1, 2, 0);
-  spec.id.index = 3;
-  EXPECT_THAT(status_of(spec).message(), HasSubstr("a round up to 2"));
-  spec = job.Refine(1, 2, 0);
-  spec.id.pair = 3;
-  EXPECT_THAT(status_of(spec).message(), HasSubstr("a view below 3"));
-  spec = job.Refine(1, 2, 0);
-  spec.inputs.pop_back();
-  EXPECT_THAT(status_of(spec).message(), HasSubstr("camera 'cam2' has no analysis or no refined depth"));
-  spec = job.Refine(1, 0, 1);
-  spec.inputs.pop_back();
-  EXPECT_THAT(status_of(spec).message(), HasSubstr("the frames it refers to"));
-  spec = job.Refine(1, 0, 1);
-  spec.inputs[5].view = 7;
-  EXPECT_EQ(status_of(spec).code(), ErrorCode::kInvalidArgument);
-}
-
-TEST(TaskExecutor, EmitsRefinedDepthOfEveryViewOrNone) {
-  SmallJob job;
-  TestWorker worker;
-  ASSERT_TRUE(job.RunOn({&worker}).ok());
-  ASSERT_TRUE(worker.Execute(job.Simple(TaskKind::kPrepare), job.config).status.ok());
-  TaskSpec spec = job.Emit(1);
-  EXPECT_TRUE(worker.Execute(spec, job.config).status.ok());
-  spec.inputs.erase(spec.inputs.begin() + 1);
-  const Status status = worker.Execute(spec, job.config).status;
-  EXPECT_THAT(status.message(), HasSubstr("frame 6: camera 'cam1' has no refined depth"));
-}
-
-TEST(TaskExecutor, EmitsNoDepthFromLabelsThatDoNotFit) {
-  SmallJob job;
-  job.config.resolved.params.refine_rounds = 0;
-  TestWorker worker;
-  ASSERT_TRUE(job.RunOn({&worker}).ok());
-  ASSERT_TRUE(worker.Execute(job.Simple(TaskKind::kPrepare), job.config).status.ok());
-  TaskSpec spec = job.Emit(0);
-  LabelField field = DecodeLabelField(worker.store->Get(spec.inputs[3].artifact.key).value()).value();
-  const auto emit_with = [&](const LabelField& labels, int number) {
-    ArtifactKey key{};
-    key[0] = static_cast<std::uint8_t>(number);
-    spec.inputs[3].artifact = worker.store->Put(key, EncodeLabelField(labels)).value();
-    return worker.Execute(spec, job.config).status;
-  };
-  EXPECT_TRUE(emit_with(field, 1).ok());
-  LabelField bad = field;
-  bad.views[1].levels[7] = 8;  // the job has levels 0 to 7
-  EXPECT_THAT(emit_with(bad, 2).message(), HasSubstr("camera 'cam1' contain level 8 of 8"));
-  bad = field;
-  bad.views[2].levels.pop_back();
-  bad.views[2].unchanged.pop_back();
-  EXPECT_EQ(emit_with(bad, 3).code(), ErrorCode::kInvalidArgument);
-  bad = field;
-  bad.views.pop_back();
-  EXPECT_EQ(emit_with(bad, 4).code(), ErrorCode::kInvalidArgument);
-}
-
 TEST(TaskExecutor, MeasuresWhatATaskCost) {
   SmallJob job;
   TestWorker worker;
-  AnalyseFirstFrame(job, worker);
+  ASSERT_TRUE(AnalyseFirstFrame(job, worker).ok());
   const TaskStats stats = worker.Execute(job.Estimate(0, 0), job.config).stats;
   EXPECT_GT(stats.wall_seconds, 0);
   EXPECT_GE(stats.cpu_seconds, 0);
@@ -484,99 +165,6 @@ TEST(TaskExecutor, MeasuresWhatATaskCost) {
   EXPECT_GT(stats.sweeps, 0);
   EXPECT_GT(stats.segments, 0);
   EXPECT_EQ(stats.nodes, stats.segments);  // an I frame adopts nothing
-}
-
-// What an analysis of the first picture holds, and its name.
-std::pair<ViewAnalysis, ArtifactKey> AnalysisOf(const TaskSpec& spec, const JobConfig& config) {
-  TestWorker worker;
-  const TaskOutcome outcome = worker.Execute(spec, config);
-  EXPECT_TRUE(outcome.status.ok()) << outcome.status.message();
-  if (!outcome.artifact) return {};
-  return {DecodeAnalysis(worker.store->Get(outcome.artifact->key).value()).value(), *outcome.output_key};
-}
-
-TEST(TaskExecutor, AnAnalysisHasTheMaskAndThePriorOfItsView) {
-  SmallJob job;
-  const testing_support::TemporaryFolder folder;
-  const auto [plain, plain_key] = AnalysisOf(job.Analyse(0, 0), job.config);
-  const int width = plain.picture.width();
-  const int height = plain.picture.height();
-  EXPECT_TRUE(plain.prior.empty());
-
-  TaskSpec spec = job.Analyse(0, 0);
-  const auto bright = [](const Ycbcr& pixel) { return pixel.y > 128; };  // a mask that follows the picture
-  Grid<std::uint8_t> mask(width, height);
-  for (std::size_t i = 0; i < mask.size(); ++i) mask.values()[i] = bright(plain.picture.values()[i]) ? 255 : 0;
-  spec.guides.mask = folder.Write("m.png", EncodeGreyPng(mask).value());
-  const auto [masked, masked_key] = AnalysisOf(spec, job.config);
-  EXPECT_NE(masked_key, plain_key);
-  EXPECT_NE(masked.segments.labels, plain.segments.labels);
-
-  spec.guides = {
-      .mask = "",
-      .prior = folder.Write("p.pfm", EncodePfm(Grid<float>(width, height, 4))),
-      .prior_confidence = folder.Write("c.png", EncodeGreyPng(Grid<std::uint8_t>(width, height, 51)).value())};
-  job.config.resolved.views[0].prior = {PriorFormat::Holds::kDepth, 0.5, 0, 0};
-  const auto [guided, guided_key] = AnalysisOf(spec, job.config);
-  EXPECT_NE(guided_key, plain_key);
-  EXPECT_EQ(guided.segments, plain.segments);
-  ASSERT_EQ(guided.prior.segments.size(), guided.segments.centers.size());
-  EXPECT_EQ(guided.prior.At(3, 4), 0.5);  // 4 of half a unit of length
-  EXPECT_FLOAT_EQ(guided.prior.segments[0].weight, 0.2F);
-}
-
-TEST(AnalysisKey, DependsOnAllThatTheAnalysisDependsOnAndOnNothingElse) {
-  const SmallJob job;
-  const JobView view = job.config.resolved.views[0];
-  const EstimationParams params = job.config.resolved.params;
-  const AnalysisDigests digest{
-      .picture = Sha256("picture"), .mask = {}, .prior = {}, .prior_confidence = {}, .before = {}};
-  std::vector<ArtifactKey> keys{AnalysisKey(view, params, digest)};
-  const auto with_digests = [&](const auto& change) {
-    AnalysisDigests other = digest;
-    change(other);
-    keys.push_back(AnalysisKey(view, params, other));
-  };
-  with_digests([](AnalysisDigests& d) { d.picture = Sha256("other"); });
-  with_digests([](AnalysisDigests& d) { d.mask = Sha256("mask"); });
-  with_digests([](AnalysisDigests& d) { d.before = Sha256("frame before"); });
-  with_digests([](AnalysisDigests& d) { d.prior = Sha256("mask"); });
-  with_digests([](AnalysisDigests& d) { d.prior = Sha256("prior"); });
-  with_digests([](AnalysisDigests& d) { d.prior = Sha256("prior"), d.prior_confidence = Sha256("sure"); });
-  const auto with_view = [&](const auto& change) {
-    JobView changed = view;
-    change(changed);
-    keys.push_back(AnalysisKey(changed, params, digest));
-  };
-  with_view([](JobView& v) { ++v.source_width; });
-  with_view([](JobView& v) { ++v.source_height; });
-  with_view([](JobView& v) { ++v.segments; });
-  with_view([](JobView& v) { v.format.kind = PictureFormat::Kind::kImage; });
-  with_view([](JobView& v) { v.format.bits = 10; });
-  with_view([](JobView& v) { v.format.full_range = false; });
-  with_view([](JobView& v) { v.format.bt709 = true; });
-  EstimationParams changed = params;
-  changed.downscale = 2;
-  keys.push_back(AnalysisKey(view, changed, digest));
-  changed = params;
-  changed.snic_compactness += 1e-12;
-  keys.push_back(AnalysisKey(view, changed, digest));
-  AnalysisDigests of_p_frame = digest;  // where a picture stands still it has the segments of the frame before
-  of_p_frame.before = Sha256("frame before");
-  changed = params;
-  ++changed.p_threshold;
-  keys.push_back(AnalysisKey(view, changed, of_p_frame));
-  const std::set<ArtifactKey> distinct(keys.begin(), keys.end());
-  EXPECT_EQ(distinct.size(), keys.size());
-
-  EXPECT_EQ(AnalysisKey(view, changed, digest), keys[0]);  // an I frame's does not ask for it
-  changed = params;
-  changed.levels = 99;
-  changed.smoothing = 9;
-  JobView moved = view;
-  moved.camera.name = "elsewhere";
-  moved.camera.cam_from_world_translation.x() += 1;
-  EXPECT_EQ(AnalysisKey(moved, changed, digest), keys[0]);
 }
 
 TEST(TaskExecutor, AJobThatKeepsItsResultsMakesTheSameFilesAsOneArtifact) {
@@ -614,37 +202,6 @@ TEST(TaskExecutor, AJobThatKeepsItsResultsMakesTheSameFilesAsOneArtifact) {
   EXPECT_TRUE(again.stats.reused);
   EXPECT_EQ(again.files, made.files);
   EXPECT_EQ(again.artifact, made.artifact);
-}
-
-TEST(TaskExecutor, AnAnalysisIsTheSameWhetherItsPictureIsReadOrFetched) {
-  SmallJob job;
-  TestWorker reader;
-  const TaskSpec spec = job.Analyse(0, 1);
-  const TaskOutcome read = reader.Execute(spec, job.config);
-  ASSERT_TRUE(read.status.ok()) << read.status.message();
-
-  const std::string bytes = ReadFileBytes(spec.picture, 1 << 20).value();
-  TestWorker submitter;  // its store stands for the submitter's files
-  ASSERT_TRUE(submitter.store->Put(Sha256(bytes), bytes).ok());
-  TestWorker worker;
-  worker.fetcher.stores = {submitter.store.get()};
-  TaskSpec uploaded = spec;
-  uploaded.picture = "/nowhere/0000.y";
-  uploaded.uploads =
-      UploadedSources{{.picture = {Sha256(bytes), bytes.size()}, .mask = {}, .prior = {}, .prior_confidence = {}},
-                      {"ipc:///submitter", ""}};
-  const TaskOutcome fetched = worker.Execute(uploaded, job.config);
-  ASSERT_TRUE(fetched.status.ok()) << fetched.status.message();
-  EXPECT_EQ(fetched.output_key, read.output_key);
-  EXPECT_EQ(fetched.artifact, read.artifact);
-  EXPECT_EQ(fetched.picture_digest, read.picture_digest);
-  EXPECT_EQ(fetched.stats.fetched_bytes, bytes.size());
-  EXPECT_EQ(worker.fetcher.fetches, 1);
-
-  // What was made before is found by the digests alone.
-  const TaskOutcome again = worker.Execute(uploaded, job.config);
-  EXPECT_TRUE(again.stats.reused);
-  EXPECT_EQ(worker.fetcher.fetches, 1);
 }
 
 }  // namespace
