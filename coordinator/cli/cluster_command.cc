@@ -109,12 +109,12 @@ Result<EndOfManager> StartManager(const ClusterOptions& options, const ClusterFo
        {std::pair("--partition=", options.partition), {"--account=", options.account}, {"--qos=", options.qos}}) {
     if (!value.empty()) sbatch.push_back(option + value);
   }
-  DEPTHFARM_ASSIGN_OR_RETURN(const CommandOutput submitted, RunCommand(sbatch, script + "\n", kSlurmLimit));
+  DEPTHFARM_ASSIGN_OR_RETURN(const CommandOutput submitted, RunCommand(sbatch, script + "\n", {.usual = kSlurmLimit}));
   if (submitted.exit_code != 0) return Unavailable("sbatch: " + submitted.error);
   std::string job = submitted.output.substr(0, submitted.output.find_first_of(";\n"));
   Tell("the manager is job " + job + " of Slurm");
   return EndOfManager([job]() -> std::optional<std::string> {
-    const auto queue = RunCommand({"squeue", "--noheader", "--jobs=" + job, "--format=%T"}, "", kSlurmLimit);
+    const auto queue = RunCommand({"squeue", "--noheader", "--jobs=" + job, "--format=%T"}, "", {.usual = kSlurmLimit});
     if (!queue.ok() || (queue->exit_code == 0 && !queue->output.empty())) return std::nullopt;
     return "job " + job + " ended";
   });

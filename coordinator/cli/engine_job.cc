@@ -66,7 +66,8 @@ Result<LocalJob> RunOnEngine(const JobRequest& request, const EngineArguments& a
   DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<ClusterFolder::Lock> lock, folder.TryLock());
   if (lock == nullptr) return InvalidArgument("--state names the folder of a cluster that is up: name another one");
   const auto tell = [](const std::string& line) { std::cerr << line << "\n"; };
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<Cluster> cluster, Cluster::Start(options, folder, tell));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<Cluster> cluster,
+                             Cluster::Start(options, folder, tell, Interrupted));
   Result<v1::JobStatus> job = RunOnFarm({.target = cluster->target(),
                                          .ended = [] { return false; },
                                          .look_after = [&cluster] { return LookAfter(*cluster); }},

@@ -88,7 +88,7 @@ ScalerOptions ScalerOptionsOf(const ClusterOptions& options, const std::string& 
 
 }  // namespace
 
-Result<std::unique_ptr<Engine>> OpenEngine(const ClusterRecord& record, const ClusterFolder& folder) {
+Result<std::unique_ptr<Engine>> OpenEngine(const ClusterRecord& record, const ClusterFolder& folder, InHurry in_hurry) {
   const ClusterOptions& options = record.options;
   PilotSpec spec{.cluster = record.instance,
                  .worker_program = options.worker_program,
@@ -110,7 +110,7 @@ Result<std::unique_ptr<Engine>> OpenEngine(const ClusterRecord& record, const Cl
                                                   .qos = options.qos,
                                                   .arguments = options.engine_arguments,
                                                   .log_dir = folder.logs().string()},
-                                                 std::move(spec), "depthfarm-" + record.instance));
+                                                 std::move(spec), "depthfarm-" + record.instance, std::move(in_hurry)));
     return std::unique_ptr<Engine>(std::move(slurm));
   }
   ProcessEngine::Options processes;
@@ -139,17 +139,19 @@ Status RemoveLeftovers(const ClusterRecord& record, const ClusterFolder& folder)
   return engine->Cancel(IdsOf(pilots));
 }
 
-Cluster::Cluster(ClusterOptions options, ClusterFolder folder, Log log)
+Cluster::Cluster(ClusterOptions options, ClusterFolder folder, Log log, InHurry in_hurry)
     : options_(std::move(options)),
       folder_(std::move(folder)),
       log_(std::move(log)),
+      in_hurry_(std::move(in_hurry)),
       instance_(NewInstance(options_.name)),
       port_(options_.port),
       scaler_(ScalerOptionsOf(options_, instance_)) {}
 
-Result<std::unique_ptr<Cluster>> Cluster::Start(const ClusterOptions& options, const ClusterFolder& folder, Log log) {
+Result<std::unique_ptr<Cluster>> Cluster::Start(const ClusterOptions& options, const ClusterFolder& folder, Log log,
+                                                InHurry in_hurry) {
   DEPTHFARM_RETURN_IF_ERROR(CheckClusterOptions(options));
-  std::unique_ptr<Cluster> cluster(new Cluster(options, folder, std::move(log)));
+  std::unique_ptr<Cluster> cluster(new Cluster(options, folder, std::move(log), std::move(in_hurry)));
   ClusterOptions& effective = cluster->options_;
   // Workers of this machine share its memory.
   if (effective.engine == EngineKind::kLocal && effective.worker_memory_bytes == 0) {
@@ -178,7 +180,7 @@ Result<std::unique_ptr<Cluster>> Cluster::Start(const ClusterOptions& options, c
   record.manager_host = HostName();
   record.manager_pid = ::getpid();
   record.started = FormatUtc(std::chrono::system_clock::now());
-  DEPTHFARM_ASSIGN_OR_RETURN(cluster->engine_, OpenEngine(record, folder));
+  DEPTHFARM_ASSIGN_OR_RETURN(cluster->engine_, OpenEngine(record, folder, cluster->in_hurry_));
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<Client> client,
                              Client::Connect(cluster->target(), {.timeout = kAnswerLimit, .stop = nullptr}));
   // Nobody is to be told of a cluster that cannot be reached.
@@ -307,6 +309,8 @@ void Cluster::WaitForPilots(milliseconds limit) {
   while (SteadyClock::now() < deadline) {
     const Result<std::vector<Pilot>> pilots = engine_->List();
     if (pilots.ok() && std::ranges::none_of(*pilots, &Pilot::running)) return;
+    // They end by the coordinator's word, or when they miss it.
+    if (!pilots.ok() && in_hurry_ && in_hurry_()) return;
     std::this_thread::sleep_for(milliseconds(200));
   }
 }

@@ -14,13 +14,15 @@
 #include "coordinator/clusters/cluster_folder.h"
 #include "coordinator/clusters/cluster_options.h"
 #include "coordinator/clusters/scaler.h"
+#include "coordinator/engines/command.h"
 #include "coordinator/engines/engine.h"
 
 namespace depthfarm {
 
 // The engine of a cluster whose coordinator is known. kUnavailable: the engine does not answer; kInvalidArgument: its
 // options are wrong.
-[[nodiscard]] Result<std::unique_ptr<Engine>> OpenEngine(const ClusterRecord& record, const ClusterFolder& folder);
+[[nodiscard]] Result<std::unique_ptr<Engine>> OpenEngine(const ClusterRecord& record, const ClusterFolder& folder,
+                                                         InHurry in_hurry = {});
 
 // Ends what is left of a cluster whose manager is gone: its pilots.
 [[nodiscard]] Status RemoveLeftovers(const ClusterRecord& record, const ClusterFolder& folder);
@@ -34,8 +36,10 @@ class Cluster {
 
   // Starts the coordinator, opens the engine and writes the record. Errors as those of CheckClusterOptions;
   // kUnavailable: the engine does not answer, or the coordinator does not start; both are told with what they wrote.
+  // Once `in_hurry` holds, an engine that does not answer is not waited for.
   [[nodiscard]] static Result<std::unique_ptr<Cluster>> Start(const ClusterOptions& options,
-                                                              const ClusterFolder& folder, Log log);
+                                                              const ClusterFolder& folder, Log log,
+                                                              InHurry in_hurry = {});
   // Stop, if that was not called.
   ~Cluster();
   Cluster(const Cluster&) = delete;
@@ -54,7 +58,7 @@ class Cluster {
   void Stop();
 
  private:
-  Cluster(ClusterOptions options, ClusterFolder folder, Log log);
+  Cluster(ClusterOptions options, ClusterFolder folder, Log log, InHurry in_hurry);
   [[nodiscard]] Status StartCoordinator();
   [[nodiscard]] Status LookAfterCoordinator();
   [[nodiscard]] Result<ClusterView> Look();
@@ -66,6 +70,7 @@ class Cluster {
   ClusterOptions options_;
   ClusterFolder folder_;
   Log log_;
+  InHurry in_hurry_;
   std::string instance_;
   ClusterRecord record_;
   std::string coordinator_program_;

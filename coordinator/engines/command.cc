@@ -19,7 +19,29 @@ namespace {
 using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
 
+constexpr milliseconds kLookInterval{200};  // for a hurry
+
 std::string ErrnoText(int error) { return std::strerror(error); }
+
+// When a command that starts now must have ended.
+class Deadline {
+ public:
+  explicit Deadline(const CommandLimit& limit) : limit_(limit), end_(SteadyClock::now() + limit.usual) {}
+  // 0 or less: none. The next question is due within kLookInterval.
+  [[nodiscard]] milliseconds Left() {
+    const auto now = SteadyClock::now();
+    if (limit_.in_hurry && !hurries_ && limit_.in_hurry()) {
+      hurries_ = true;
+      end_ = std::min(end_, now + limit_.hurried);
+    }
+    return std::chrono::ceil<milliseconds>(end_ - now);
+  }
+
+ private:
+  const CommandLimit& limit_;
+  SteadyClock::time_point end_;
+  bool hurries_ = false;
+};
 
 // Both ends of a pipe, closed with it.
 class Pipe {
@@ -109,18 +131,19 @@ bool ReadSome(int descriptor, std::string& text) {
 }
 
 // Feeds and reads the program until it has closed its outputs. The reason if that did not come to a good end.
-std::string Exchange(Pipe& input, Pipe& output, Pipe& error, std::string_view text, SteadyClock::time_point deadline,
+std::string Exchange(Pipe& input, Pipe& output, Pipe& error, std::string_view text, Deadline& deadline,
                      CommandOutput& result) {
   const NoBrokenPipeSignal no_signal;
   ::fcntl(input.write_end(), F_SETFL, O_NONBLOCK);
   if (text.empty()) input.CloseWrite();
   while (output.read_end() >= 0 || error.read_end() >= 0) {
-    const auto left = std::chrono::ceil<milliseconds>(deadline - SteadyClock::now());
+    const milliseconds left = deadline.Left();
     if (left <= milliseconds(0)) return "did not end in time";
+    const auto wait = static_cast<int>(std::min(left, kLookInterval).count());
     std::array<pollfd, 3> events = {{{output.read_end(), POLLIN, 0},  // a descriptor of -1 is passed over
                                      {error.read_end(), POLLIN, 0},
                                      {input.write_end(), POLLOUT, 0}}};
-    if (::poll(events.data(), events.size(), static_cast<int>(left.count())) < 0) continue;  // a signal
+    if (::poll(events.data(), events.size(), wait) < 0) continue;  // a signal
     if (events[0].revents != 0 && !ReadSome(output.read_end(), result.output)) output.CloseRead();
     if (events[1].revents != 0 && !ReadSome(error.read_end(), result.error)) error.CloseRead();
     if (std::max(result.output.size(), result.error.size()) > kMostCommandOutput) return "wrote too much";
@@ -136,8 +159,9 @@ std::string Exchange(Pipe& input, Pipe& output, Pipe& error, std::string_view te
 
 }  // namespace
 
-Result<CommandOutput> RunCommand(const std::vector<std::string>& words, std::string_view input, milliseconds limit) {
-  const auto deadline = SteadyClock::now() + limit;
+Result<CommandOutput> RunCommand(const std::vector<std::string>& words, std::string_view input,
+                                 const CommandLimit& limit) {
+  Deadline deadline(limit);
   Pipe to_input;
   Pipe from_output;
   Pipe from_error;

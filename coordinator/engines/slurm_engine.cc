@@ -13,20 +13,22 @@ constexpr std::chrono::seconds kCommandLimit{60};  // a busy controller may take
 constexpr int kMostOfAnArray = 500;                // Slurm's usual MaxArraySize is 1001
 constexpr std::size_t kMostIds = 500;              // for one command line
 
-// Runs one of Slurm's commands and returns what it printed.
-Result<std::string> Slurm(std::vector<std::string> words, std::string_view input = {}) {
-  DEPTHFARM_ASSIGN_OR_RETURN(CommandOutput result, RunCommand(words, input, kCommandLimit));
+}  // namespace
+
+Result<std::string> SlurmEngine::Slurm(const std::vector<std::string>& words, std::string_view input) const {
+  DEPTHFARM_ASSIGN_OR_RETURN(CommandOutput result,
+                             RunCommand(words, input, {.usual = kCommandLimit, .in_hurry = in_hurry_}));
   if (result.exit_code == 0) return std::move(result.output);
   std::string reason = result.error.substr(0, result.error.find_last_not_of('\n') + 1);
   if (reason.empty()) reason = "exit code " + std::to_string(result.exit_code);
   return Unavailable(words[0] + ": " + reason);
 }
 
-}  // namespace
-
-Result<std::unique_ptr<SlurmEngine>> SlurmEngine::Open(SlurmOptions options, PilotSpec spec, std::string job_name) {
+Result<std::unique_ptr<SlurmEngine>> SlurmEngine::Open(SlurmOptions options, PilotSpec spec, std::string job_name,
+                                                       InHurry in_hurry) {
   if (!options.time.empty()) DEPTHFARM_RETURN_IF_ERROR(ParseSlurmTime(options.time).status().WithContext("--time"));
-  std::unique_ptr<SlurmEngine> engine(new SlurmEngine(std::move(options), std::move(spec), std::move(job_name)));
+  std::unique_ptr<SlurmEngine> engine(
+      new SlurmEngine(std::move(options), std::move(spec), std::move(job_name), std::move(in_hurry)));
   // Rather now than at the first job: a partition that does not exist, more memory than any node has.
   DEPTHFARM_RETURN_IF_ERROR(engine->Submit(1, {"--test-only"}));
   return engine;
@@ -36,7 +38,7 @@ Status SlurmEngine::Submit(int count, const std::vector<std::string>& more) cons
   std::vector<std::string> words = {"sbatch"};
   for (std::string& word : SlurmArrayArguments(count)) words.push_back(std::move(word));
   words.insert(words.end(), more.begin(), more.end());
-  return Slurm(std::move(words), SlurmScript(options_, spec_, job_name_)).status();
+  return Slurm(words, SlurmScript(options_, spec_, job_name_)).status();
 }
 
 Status SlurmEngine::Launch(int count) {
@@ -49,7 +51,7 @@ Status SlurmEngine::Launch(int count) {
 Result<std::vector<Pilot>> SlurmEngine::List() {
   std::vector<std::string> words = {"squeue"};
   for (std::string& word : SqueueArguments(job_name_)) words.push_back(std::move(word));
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::string answer, Slurm(std::move(words)));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string answer, Slurm(words));
   return ParseSqueue(answer);
 }
 
@@ -60,7 +62,7 @@ Status SlurmEngine::Cancel(const std::vector<std::string>& ids) {
     const std::size_t end = std::min(ids.size(), done + kMostIds);
     words.insert(words.end(), ids.begin() + static_cast<std::ptrdiff_t>(done),
                  ids.begin() + static_cast<std::ptrdiff_t>(end));
-    DEPTHFARM_RETURN_IF_ERROR(Slurm(std::move(words)).status());
+    DEPTHFARM_RETURN_IF_ERROR(Slurm(words).status());
   }
   return {};
 }

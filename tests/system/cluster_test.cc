@@ -155,6 +155,44 @@ TEST_F(ClusterTest, WhatCannotBeIsSaid) {
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 
+// Slurm whose controller takes requests and then hangs.
+class HungSlurm : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directory(folder_ / "bin");
+    Command("sbatch", "cat >/dev/null");
+    Command("scancel", "exit 0");
+    Command("squeue", "touch " + (folder_ / "asked") + "; exec sleep 1000");
+    const char* path = ::getenv("PATH");  // NOLINT(concurrency-mt-unsafe): one thread
+    path_ = path != nullptr ? path : "";
+    ::setenv("PATH", ((folder_ / "bin") + ":" + path_).c_str(), 1);  // NOLINT(concurrency-mt-unsafe)
+  }
+  void TearDown() override { ::setenv("PATH", path_.c_str(), 1); }  // NOLINT(concurrency-mt-unsafe)
+  void Command(const std::string& name, const std::string& line) {
+    const fs::path file = folder_.path() / "bin" / name;
+    std::ofstream(file) << "#!/bin/sh\n" << line << "\n";
+    fs::permissions(file, fs::perms::owner_all);
+  }
+
+  TemporaryFolder folder_;
+  std::string path_;
+};
+
+TEST_F(HungSlurm, DoesNotHoldWhoInterruptsARun) {
+  const std::string sequence = RenderScene(folder_.path() / "scene");
+  const Words words =
+      Words{"run", sequence, "-o", folder_ / "out", "--engine", "slurm", "--state", folder_ / "state"} + SmallJob();
+  Result<ChildProcess> run = ChildProcess::Start(Program("depthfarm"), words, folder_ / "log");
+  ASSERT_TRUE(run.ok()) << run.status().message();
+  ASSERT_TRUE(WaitUntil([&] { return fs::exists(folder_ / "asked") || run->Poll(); }));
+  run->Signal(SIGINT);
+  // A command of Slurm may take a minute, and two are under way from here to the end.
+  const std::optional<ProcessEnd> end = run->WaitFor(std::chrono::seconds(60));
+  ASSERT_TRUE(end.has_value()) << ReadFile(folder_ / "log");
+  EXPECT_EQ(end->exit_code, 130) << ReadFile(folder_ / "log");
+  EXPECT_FALSE(fs::exists(folder_.path() / "out" / "depth.json"));
+}
+
 // A real sshd, for this user alone, on the loopback address.
 class SshTest : public ClusterTest {
  protected:

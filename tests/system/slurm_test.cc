@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 std::string Slurm(const Words& words) {
-  const Result<CommandOutput> ran = RunCommand(words, "", kDeadline);
+  const Result<CommandOutput> ran = RunCommand(words, "", {.usual = kDeadline});
   return ran.ok() ? ran->output + ran->error : ran.status().message();
 }
 

@@ -9,10 +9,11 @@
 namespace depthfarm {
 namespace {
 
+using std::chrono::milliseconds;
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-constexpr seconds kLong{60};
+const CommandLimit kLong{.usual = seconds(60)};
 
 TEST(RunCommand, ReturnsWhatAProgramWroteAndItsExitCode) {
   const Result<CommandOutput> ran = RunCommand({"sh", "-c", "cat; echo problem >&2; exit 3"}, "some\ninput", kLong);
@@ -46,11 +47,26 @@ TEST(RunCommand, SaysWhatCannotBeRunOrDidNotEndWell) {
               HasSubstr("cannot run depthfarm-no-such-program: No such file"));
   EXPECT_THAT(RunCommand({"sh", "-c", "kill -9 $$"}, "", kLong).status().message(), HasSubstr("signal 9"));
   // With what it started.
-  EXPECT_THAT(
-      RunCommand({"sh", "-c", "sleep 1000 & sleep 1000"}, "", std::chrono::milliseconds(100)).status().message(),
-      HasSubstr("did not end in time"));
+  EXPECT_THAT(RunCommand({"sh", "-c", "sleep 1000 & sleep 1000"}, "", {.usual = milliseconds(100)}).status().message(),
+              HasSubstr("did not end in time"));
   EXPECT_THAT(RunCommand({"sh", "-c", "head -c 20000000 /dev/zero"}, "", kLong).status().message(),
               HasSubstr("wrote too much"));
+}
+
+TEST(RunCommand, WhoIsInAHurryDoesNotWaitAsLong) {
+  const auto start = std::chrono::steady_clock::now();
+  int questions = 0;
+  const CommandLimit limit{
+      .usual = seconds(1000), .in_hurry = [&questions] { return ++questions > 3; }, .hurried = milliseconds(100)};
+  EXPECT_THAT(RunCommand({"sleep", "1000"}, "", limit).status().message(), HasSubstr("did not end in time"));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, seconds(500));
+  EXPECT_EQ(questions, 4);
+}
+
+TEST(RunCommand, AHurryHasNoMoreTimeThanUsual) {
+  const CommandLimit limit{.usual = milliseconds(100), .in_hurry = [] { return true; }, .hurried = seconds(1000)};
+  EXPECT_THAT(RunCommand({"sleep", "1000"}, "", limit).status().message(), HasSubstr("did not end in time"));
+  EXPECT_TRUE(RunCommand({"true"}, "", {.usual = seconds(60), .in_hurry = [] { return true; }}).ok());
 }
 
 TEST(ShellQuoted, AShellTakesBackWhatWasGiven) {
