@@ -11,7 +11,7 @@ namespace depthfarm::benchmarks {
 // the library itself ends with success.
 void RegisterStageBenchmarks(MeasuredFrames& frames, bool& failed);
 void RegisterFlowBenchmarks(MeasuredFrames& frames, bool& failed);
-// An artifact of that size moves between processes so many times, in turn with bare ZeroMQ.
+// An artifact of that size moves between processes so many times, and small ones oftener, in turn with bare ZeroMQ.
 void RegisterTransferBenchmarks(std::size_t artifact_bytes, int rounds, bool& failed);
 
 // A coordinator whose journal has a job of so many frames, half of them done, goes on with it.

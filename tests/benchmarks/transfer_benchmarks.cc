@@ -29,6 +29,8 @@ constexpr std::string_view kEndpoint = "tcp://127.0.0.1:*";
 constexpr double kBytesPerMegabyte = 1e6;
 constexpr double kBytesPerGigabyte = 1e9;
 constexpr double kBytesPerMebibyte = 1024 * 1024;
+constexpr double kMillisecondsPerSecond = 1000;
+constexpr int kSmallRounds = 25;  // of a small artifact for each of a large one
 
 // Random, so that nothing on the way can make them fewer.
 std::string ArtifactBytes(std::size_t size) {
@@ -111,9 +113,10 @@ class MeasuredTransfers {
 
   [[nodiscard]] double MegabytesPerSecond() const { return Median(megabytes_per_second_); }
   [[nodiscard]] double BestMegabytesPerSecond() const { return *std::ranges::max_element(megabytes_per_second_); }
-  // Rates and CPU: medians; memory: the largest.
+  // Rates, times and CPU: medians; memory: the largest.
   void Report(const std::string& name, benchmark::State& state) const {
     state.counters[name + "_MBps"] = MegabytesPerSecond();
+    state.counters[name + "_ms"] = bytes_ / kBytesPerMegabyte / MegabytesPerSecond() * kMillisecondsPerSecond;
     state.counters[name + "_best_MBps"] = BestMegabytesPerSecond();
     state.counters[name + "_send_s_per_GB"] = Median(sender_cpu_);
     state.counters[name + "_receive_s_per_GB"] = Median(receiver_cpu_);
@@ -137,9 +140,12 @@ struct TransferCase {
   std::string name;
   bool curve = false;
   int holders = 1;
+  std::size_t bytes = 0;
+  int rounds = 1;
 };
 
-void MeasureTransfer(benchmark::State& state, const TransferCase& measured, std::size_t size, bool& failed) {
+void MeasureTransfer(benchmark::State& state, const TransferCase& measured, bool& failed) {
+  const std::size_t size = measured.bytes;
   const std::string bytes = ArtifactBytes(size);
   const StoredArtifact artifact(bytes);
   const CurveKeys keys = measured.curve ? GenerateCurveKeys().value() : CurveKeys{};
@@ -197,19 +203,24 @@ void MeasureTransfer(benchmark::State& state, const TransferCase& measured, std:
 }  // namespace
 
 void RegisterTransferBenchmarks(std::size_t artifact_bytes, int rounds, bool& failed) {
-  const TransferCase cases[] = {{"plain/1_holder", false, 1},
-                                {"curve/1_holder", true, 1},
-                                {"plain/2_holders", false, 2},
-                                {"curve/2_holders", true, 2}};
+  const std::string large = std::to_string(artifact_bytes >> 20) + "MiB";
+  // Most artifacts are small: what counts there is how long one takes.
+  const int small_rounds = rounds * kSmallRounds;
+  const TransferCase cases[] = {{"plain/1_holder/" + large, false, 1, artifact_bytes, rounds},
+                                {"curve/1_holder/" + large, true, 1, artifact_bytes, rounds},
+                                {"plain/2_holders/" + large, false, 2, artifact_bytes, rounds},
+                                {"curve/2_holders/" + large, true, 2, artifact_bytes, rounds},
+                                {"plain/1_holder/64KiB", false, 1, std::size_t{64} << 10, small_rounds},
+                                {"plain/1_holder/3MiB", false, 1, std::size_t{3} << 20, small_rounds},
+                                {"curve/1_holder/64KiB", true, 1, std::size_t{64} << 10, small_rounds},
+                                {"curve/1_holder/3MiB", true, 1, std::size_t{3} << 20, small_rounds}};
   for (const TransferCase& measured : cases) {
-    const std::string name = "Transfer/" + measured.name + "/" + std::to_string(artifact_bytes >> 20) + "MiB";
-    benchmark::RegisterBenchmark(name.c_str(),
-                                 [measured, artifact_bytes, &failed](benchmark::State& state) {
-                                   MeasureTransfer(state, measured, artifact_bytes, failed);
-                                 })
+    benchmark::RegisterBenchmark(
+        ("Transfer/" + measured.name).c_str(),
+        [measured, &failed](benchmark::State& state) { MeasureTransfer(state, measured, failed); })
         ->Unit(benchmark::kMillisecond)
         ->UseManualTime()
-        ->Iterations(rounds);
+        ->Iterations(measured.rounds);
   }
 }
 
