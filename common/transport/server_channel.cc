@@ -23,6 +23,17 @@ zmq::message_t FrameOf(std::string bytes) {
   return frame;
 }
 
+constexpr auto kMoreAtOnce = zmq::send_flags::sndmore | zmq::send_flags::dontwait;
+
+// False when the peer's queue is full.
+bool BeginMessage(zmq::socket_t& socket, std::string_view peer) {
+  if (socket.send(zmq::buffer(peer), kMoreAtOnce)) return true;
+  // Of what a peer has read the library takes note once in some milliseconds, or when it is asked for events: more
+  // messages than the queue holds may have been sent and read since.
+  (void)socket.get(zmq::sockopt::events);
+  return socket.send(zmq::buffer(peer), kMoreAtOnce).has_value();
+}
+
 }  // namespace
 
 struct ServerChannel::State {
@@ -108,8 +119,7 @@ Result<std::optional<PeerMessage>> ServerChannel::Receive() {
 Status ServerChannel::Send(std::string_view peer, std::string_view payload) {
   zmq::socket_t& socket = state_->socket;
   try {
-    const auto more = zmq::send_flags::sndmore | zmq::send_flags::dontwait;
-    if (!socket.send(zmq::buffer(peer), more)) return Unavailable("the peer's queue is full");
+    if (!BeginMessage(socket, peer)) return Unavailable("the peer's queue is full");
     // After the first frame was taken the rest of the message is: ROUTER has chosen and checked the pipe.
     socket.send(zmq::buffer(payload), zmq::send_flags::dontwait);
     return {};
@@ -122,9 +132,8 @@ Status ServerChannel::Send(std::string_view peer, std::string_view payload, std:
   zmq::socket_t& socket = state_->socket;
   try {
     zmq::message_t frame = FrameOf(std::move(attachment));
-    const auto more = zmq::send_flags::sndmore | zmq::send_flags::dontwait;
-    if (!socket.send(zmq::buffer(peer), more)) return Unavailable("the peer's queue is full");
-    socket.send(zmq::buffer(payload), more);
+    if (!BeginMessage(socket, peer)) return Unavailable("the peer's queue is full");
+    socket.send(zmq::buffer(payload), kMoreAtOnce);
     socket.send(frame, zmq::send_flags::dontwait);
     return {};
   } catch (const zmq::error_t& error) {

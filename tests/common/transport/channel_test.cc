@@ -98,6 +98,19 @@ TEST(Channel, DropsWhatAPeerDoesNotRead) {
   EXPECT_EQ(sent.code(), ErrorCode::kUnavailable);
 }
 
+TEST(Channel, APeerThatReadsIsNeverFull) {
+  TransportContext context;
+  const auto server = Bound(context, "tcp://127.0.0.1:*", {.max_queued_messages = 64});
+  const auto client = Connected(context, server->endpoint());
+  ASSERT_TRUE(client->Send("ask").ok());
+  const std::string peer = Next(*server)->peer;
+  // What was read is counted in halves of the queue.
+  for (int round = 0; round < 1000; ++round) {
+    for (int i = 0; i < 30; ++i) ASSERT_TRUE(server->Send(peer, "answer").ok()) << round << " " << i;
+    for (int i = 0; i < 30; ++i) ASSERT_TRUE(client->Receive(kPatience).value().has_value());
+  }
+}
+
 TEST(Channel, PeersAreKeptApart) {
   TransportContext context;
   const auto server = Bound(context, "tcp://127.0.0.1:*");
