@@ -14,11 +14,13 @@ namespace {
 // In a row, before the caller gets its turn: a flood of what is skipped must not keep it from its other work.
 constexpr int kMostSkipped = 1000;
 
-// A frame of the string's own memory, which the library frees when it has left.
-zmq::message_t FrameOf(std::string bytes) {
-  auto owned = std::make_unique<std::string>(std::move(bytes));
+// A frame of the bytes where they are, which the library lets go when it has left.
+zmq::message_t FrameOf(SharedBytes bytes) {
+  auto owned = std::make_unique<SharedBytes>(std::move(bytes));
+  // The library changes no frame that it sends.
   zmq::message_t frame(
-      owned->data(), owned->size(), [](void*, void* hint) { delete static_cast<std::string*>(hint); }, owned.get());
+      const_cast<char*>(owned->view().data()), owned->size(),
+      [](void*, void* hint) { delete static_cast<SharedBytes*>(hint); }, owned.get());
   (void)owned.release();
   return frame;
 }
@@ -128,7 +130,7 @@ Status ServerChannel::Send(std::string_view peer, std::string_view payload) {
   }
 }
 
-Status ServerChannel::Send(std::string_view peer, std::string_view payload, std::string attachment) {
+Status ServerChannel::Send(std::string_view peer, std::string_view payload, SharedBytes attachment) {
   zmq::socket_t& socket = state_->socket;
   try {
     zmq::message_t frame = FrameOf(std::move(attachment));

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/shared_bytes.h"
 #include "common/base/status.h"
 #include "common/transport/channel.h"
 #include "common/transport/context.h"
@@ -59,8 +60,8 @@ class ServerChannel : public Channel {
   [[nodiscard]] Result<std::optional<PeerMessage>> Receive();
   // Never blocks. kUnavailable: the peer is gone or its queue is full.
   [[nodiscard]] Status Send(std::string_view peer, std::string_view payload);
-  // With a second frame, which is not copied.
-  [[nodiscard]] Status Send(std::string_view peer, std::string_view payload, std::string attachment);
+  // With a second frame, which is not copied: it is held until it has left or is dropped.
+  [[nodiscard]] Status Send(std::string_view peer, std::string_view payload, SharedBytes attachment);
 
   [[nodiscard]] ServerRefusals refusals() const;
   [[nodiscard]] void* native_socket() const override;

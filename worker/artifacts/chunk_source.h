@@ -2,8 +2,8 @@
 #define DEPTHFARM_WORKER_ARTIFACTS_CHUNK_SOURCE_H_
 
 #include <cstdint>
-#include <string>
 
+#include "common/base/shared_bytes.h"
 #include "common/base/status.h"
 #include "common/job/task.h"
 
@@ -12,7 +12,7 @@ namespace depthfarm {
 // A piece of an artifact, for peers.
 struct ArtifactChunk {
   std::uint64_t total_bytes = 0;
-  std::string data;
+  SharedBytes data;
 };
 
 // What an artifact server serves from. Thread-safe.

@@ -1,6 +1,7 @@
 #include "worker/artifacts/store.h"
 
 #include <algorithm>
+#include <new>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -89,7 +90,7 @@ Status ArtifactStore::PutVerified(const ArtifactInfo& info, std::string_view art
     }
   }
   // Another worker, or one before this, has made the same.
-  if (to_verify && ReadAndVerify(info).ok()) return {};
+  if (to_verify && Verify(info).ok()) return {};
   if (FileBytes(info) > max_bytes_) {
     return Unavailable("artifact of " + std::to_string(FileBytes(info)) + " bytes: the store is bounded to " +
                        std::to_string(max_bytes_) + " bytes: raise --cache-size");
@@ -140,17 +141,12 @@ Result<ArtifactChunk> ArtifactStore::ReadChunk(const ArtifactKey& key, std::uint
     return InvalidArgument("artifact " + Hex(key) + ": offset " + std::to_string(offset) + " is past its " +
                            std::to_string(info.stored_bytes) + " bytes");
   }
-  FileId file;
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto entry = entries_.find(key);
-    if (entry == entries_.end()) return NoSuchArtifact(key);
-    file = entry->second.file;
-  }
+  DEPTHFARM_ASSIGN_OR_RETURN(const FileId file, FileOf(info));
   const std::uint64_t count = std::min(max_bytes, info.stored_bytes - offset);
   // One that another worker evicted or replaced just now is asked for again, and then looked at anew.
-  DEPTHFARM_ASSIGN_OR_RETURN(std::string data, ReadStoreFileBytes(folder_->PathOf(key).string(), file, offset, count));
-  return ArtifactChunk{info.stored_bytes, std::move(data)};
+  DEPTHFARM_ASSIGN_OR_RETURN(std::string data, chunk_memory_.Take(static_cast<std::size_t>(count)));
+  DEPTHFARM_RETURN_IF_ERROR(ReadStoreFileBytes(folder_->PathOf(key).string(), file, offset, data));
+  return ArtifactChunk{info.stored_bytes, chunk_memory_.Share(std::move(data))};
 }
 
 Result<ArtifactInfo> ArtifactStore::Verified(const ArtifactKey& key) {
@@ -163,20 +159,38 @@ Result<ArtifactInfo> ArtifactStore::Verified(const ArtifactKey& key) {
     info = entry->second.info;
     if (entry->second.verified) return info;
   }
-  DEPTHFARM_RETURN_IF_ERROR(ReadAndVerify(info).status());
+  DEPTHFARM_RETURN_IF_ERROR(Verify(info));
   return info;
 }
 
 Result<std::string> ArtifactStore::ReadAndVerify(const ArtifactInfo& info) {
-  FileId file;
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto entry = entries_.find(info.key);
-    if (entry == entries_.end() || entry->second.info != info) return NoSuchArtifact(info.key);
-    file = entry->second.file;
+  DEPTHFARM_ASSIGN_OR_RETURN(const FileId file, FileOf(info));
+  std::string bytes;
+  try {
+    bytes.resize(static_cast<std::size_t>(info.stored_bytes));
+  } catch (const std::bad_alloc&) {
+    return Unavailable("artifact " + Hex(info.key) + ": no memory for its " + std::to_string(info.stored_bytes) +
+                       " bytes");
   }
-  Result<std::string> bytes = ReadStoreFileBytes(folder_->PathOf(info.key).string(), file, 0, info.stored_bytes);
-  const bool right = bytes.ok() && Sha256(*bytes) == info.content_digest;
+  const Status read = ReadStoreFileBytes(folder_->PathOf(info.key).string(), file, 0, bytes);
+  DEPTHFARM_RETURN_IF_ERROR(Judge(info, file, read.ok() ? Result<Sha256Digest>(Sha256(bytes)) : read));
+  return bytes;
+}
+
+Status ArtifactStore::Verify(const ArtifactInfo& info) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const FileId file, FileOf(info));
+  return Judge(info, file, DigestOfStoreFile(folder_->PathOf(info.key).string(), file));
+}
+
+Result<FileId> ArtifactStore::FileOf(const ArtifactInfo& info) {
+  const std::scoped_lock lock(mutex_);
+  const auto entry = entries_.find(info.key);
+  if (entry == entries_.end() || entry->second.info != info) return NoSuchArtifact(info.key);
+  return entry->second.file;
+}
+
+Status ArtifactStore::Judge(const ArtifactInfo& info, const FileId& file, const Result<Sha256Digest>& digest) {
+  const bool right = digest.ok() && *digest == info.content_digest;
   const std::scoped_lock lock(mutex_);
   const auto entry = Look(info.key);
   const bool current = entry != entries_.end() && entry->second.info == info && entry->second.file == file;
@@ -185,12 +199,12 @@ Result<std::string> ArtifactStore::ReadAndVerify(const ArtifactInfo& info) {
       entry->second.verified = true;
       folder_->Touch(info.key);
     }
-    return bytes;
+    return {};
   }
   // One that was evicted or replaced while its file was read is no damage.
   if (!current) return NoSuchArtifact(info.key);
   Evict(info.key);
-  if (!bytes.ok()) return bytes.status();
+  if (!digest.ok()) return digest.status();
   return Corrupt("artifact " + Hex(info.key) + ": its file does not match its digest; dropped");
 }
 

@@ -15,6 +15,7 @@
 
 #include "common/base/status.h"
 #include "common/job/task_spec.h"
+#include "worker/artifacts/chunk_memory.h"
 #include "worker/artifacts/chunk_source.h"
 #include "worker/artifacts/key_locks.h"
 #include "worker/artifacts/shared_folder.h"
@@ -124,6 +125,13 @@ class ArtifactStore : public ChunkSource {
   // The artifact's size after its file was found to be right; marks it as used.
   [[nodiscard]] Result<ArtifactInfo> Verified(const ArtifactKey& key);
   [[nodiscard]] Result<std::string> ReadAndVerify(const ArtifactInfo& info);
+  // The same for who does not need the bytes, which are never in memory at once.
+  [[nodiscard]] Status Verify(const ArtifactInfo& info);
+  // The file that such an artifact was seen in. Errors: kUnavailable: it is another one now, or gone.
+  [[nodiscard]] Result<FileId> FileOf(const ArtifactInfo& info);
+  // What the digest of the bytes in `file` says, or the error of reading them: the artifact is right, or was no longer
+  // of interest, or is dropped. Errors as Get.
+  [[nodiscard]] Status Judge(const ArtifactInfo& info, const FileId& file, const Result<Sha256Digest>& digest);
   // Moves a written file to its place, makes room for it.
   [[nodiscard]] Status Accept(const ArtifactInfo& info, const std::string& written_as);
   void Unpin(const std::vector<ArtifactKey>& keys);
@@ -140,6 +148,7 @@ class ArtifactStore : public ChunkSource {
   const std::uint64_t max_bytes_;
 
   KeyLocks fetching_;
+  ChunkMemory chunk_memory_;
 
   mutable std::mutex mutex_;
   const std::unique_ptr<SharedFolder> folder_;

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <new>
+#include <span>
 
 #include "common/base/little_endian.h"
 #include "common/files/atomic_file.h"
@@ -25,23 +25,28 @@ FileId IdOf(const struct stat& facts) {
 
 OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)); }
 
-// kUnavailable when the file ends before `count` bytes from `position` on.
-Result<std::string> ReadAt(const std::string& path, const OpenFile& file, std::uint64_t position, std::uint64_t count) {
-  try {
-    std::string bytes(static_cast<std::size_t>(count), '\0');
-    std::size_t have = 0;
-    while (have < bytes.size()) {
-      const ssize_t got =
-          pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(position + have));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return FileFailure(path, "read the file");
-      if (got == 0) return Unavailable(path + ": ends before byte " + std::to_string(position + count));
-      have += static_cast<std::size_t>(got);
-    }
-    return bytes;
-  } catch (const std::bad_alloc&) {
-    return Unavailable(path + ": no memory for " + std::to_string(count) + " bytes of it");
+constexpr std::size_t kDigestStepBytes = std::size_t{1} << 20;
+
+// As many bytes as `bytes` has room for, from `position` on; kUnavailable when the file ends before.
+Status ReadAt(const std::string& path, const OpenFile& file, std::uint64_t position, std::span<char> bytes) {
+  std::size_t have = 0;
+  while (have < bytes.size()) {
+    const ssize_t got =
+        pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(position + have));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return FileFailure(path, "read the file");
+    if (got == 0) return Unavailable(path + ": ends before byte " + std::to_string(position + bytes.size()));
+    have += static_cast<std::size_t>(got);
   }
+  return {};
+}
+
+Status CheckId(const std::string& path, const OpenFile& file, const FileId& expected) {
+  if (!file.ok()) return FileFailure(path, "open the file");
+  struct stat facts {};
+  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
+  if (IdOf(facts) != expected) return Unavailable(path + ": was replaced");
+  return {};
 }
 
 }  // namespace
@@ -66,7 +71,8 @@ Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
     return Corrupt(path + ": holds " + std::to_string(size) + " bytes, expected a header of " +
                    std::to_string(kStoreFileHeaderBytes));
   }
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::string header, ReadAt(path, file, 0, kStoreFileHeaderBytes));
+  std::string header(kStoreFileHeaderBytes, '\0');
+  DEPTHFARM_RETURN_IF_ERROR(ReadAt(path, file, 0, header));
   if (!header.starts_with(kMagic)) return Corrupt(path + ": is not an artifact file");
   StoreFileHeader result;
   result.file = IdOf(facts);
@@ -85,14 +91,24 @@ std::optional<FileId> IdOfFile(const std::string& path) {
   return IdOf(facts);
 }
 
-Result<std::string> ReadStoreFileBytes(const std::string& path, const FileId& expected, std::uint64_t offset,
-                                       std::uint64_t count) {
+Status ReadStoreFileBytes(const std::string& path, const FileId& expected, std::uint64_t offset,
+                          std::span<char> bytes) {
   const OpenFile file = OpenToRead(path);
-  if (!file.ok()) return FileFailure(path, "open the file");
-  struct stat facts {};
-  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
-  if (IdOf(facts) != expected) return Unavailable(path + ": was replaced");
-  return ReadAt(path, file, kStoreFileHeaderBytes + offset, count);
+  DEPTHFARM_RETURN_IF_ERROR(CheckId(path, file, expected));
+  return ReadAt(path, file, kStoreFileHeaderBytes + offset, bytes);
+}
+
+Result<Sha256Digest> DigestOfStoreFile(const std::string& path, const FileId& expected) {
+  const OpenFile file = OpenToRead(path);
+  DEPTHFARM_RETURN_IF_ERROR(CheckId(path, file, expected));
+  Sha256Hasher hasher;
+  std::string step(kDigestStepBytes, '\0');
+  for (std::uint64_t at = kStoreFileHeaderBytes; at < expected.bytes; at += step.size()) {
+    if (expected.bytes - at < step.size()) step.resize(static_cast<std::size_t>(expected.bytes - at));
+    DEPTHFARM_RETURN_IF_ERROR(ReadAt(path, file, at, step));
+    hasher.Update(step);
+  }
+  return hasher.Finish();
 }
 
 }  // namespace depthfarm

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -41,10 +42,12 @@ struct StoreFileHeader {
 // Of the file that is there now; nothing if there is none.
 [[nodiscard]] std::optional<FileId> IdOfFile(const std::string& path);
 
-// `count` bytes of the artifact from `offset` on. Errors: kUnavailable (also when the file ends before, or is another
-// one than `file`).
-[[nodiscard]] Result<std::string> ReadStoreFileBytes(const std::string& path, const FileId& file, std::uint64_t offset,
-                                                     std::uint64_t count);
+// Fills `bytes` with those of the artifact from `offset` on. Errors: kUnavailable (also when the file ends before, or
+// is another one than `file`).
+[[nodiscard]] Status ReadStoreFileBytes(const std::string& path, const FileId& file, std::uint64_t offset,
+                                        std::span<char> bytes);
+// Of the artifact as it is in the file, read in steps of a MiB. Errors as ReadStoreFileBytes.
+[[nodiscard]] Result<Sha256Digest> DigestOfStoreFile(const std::string& path, const FileId& file);
 
 }  // namespace depthfarm
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "common/base/shared_bytes.h"
 #include "common/base/status.h"
 #include "common/transport/context.h"
 #include "common/transport/poller.h"
@@ -21,7 +22,7 @@ inline constexpr std::uint32_t kMaxChunkBytes = 1 << 20;
 // A message and its second frame, if that is not empty.
 struct PeerAnswer {
   v1::Envelope envelope;
-  std::string attachment;
+  SharedBytes attachment;
 };
 
 // What an artifact server answers. GetChunk: a Chunk and its bytes as attachment, or a Chunk whose error says what is

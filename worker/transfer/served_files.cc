@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <span>
+#include <string_view>
 
 #include "common/digest/sha256.h"
 #include "common/files/open_file.h"
@@ -20,19 +22,18 @@ constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
 // O_NONBLOCK: opening a pipe without a writer would wait for ever; it has no effect on regular files.
 OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)); }
 
-// As many as there are, at most `count`.
-Result<std::string> ReadAt(const std::string& path, const OpenFile& file, std::uint64_t offset, std::size_t count) {
-  std::string bytes(count, '\0');
+// As many as there are, at most as `bytes` has room for. Returns how many.
+Result<std::size_t> ReadAt(const std::string& path, const OpenFile& file, std::uint64_t offset, std::span<char> bytes) {
   std::size_t have = 0;
-  while (have < count) {
-    const ssize_t got = pread(file.descriptor(), bytes.data() + have, count - have, static_cast<off_t>(offset + have));
+  while (have < bytes.size()) {
+    const ssize_t got =
+        pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(offset + have));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return FileFailure(path, "read the file");
     if (got == 0) break;
     have += static_cast<std::size_t>(got);
   }
-  bytes.resize(have);
-  return bytes;
+  return have;
 }
 
 bool SameTime(const timespec& a, const timespec& b) { return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec; }
@@ -53,12 +54,13 @@ Result<FileDigest> ServedFiles::Add(const std::string& path, const std::function
                            std::to_string(kMaxFileBytes));
   }
   Sha256Hasher hasher;
+  std::string piece(kPieceBytes, '\0');
   for (std::uint64_t at = 0; at < digest.bytes; at += kPieceBytes) {
     if (stop()) return Cancelled();
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::string piece, ReadAt(path, file, at, kPieceBytes));
-    if (piece.size() != std::min<std::uint64_t>(kPieceBytes, digest.bytes - at))
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t count, ReadAt(path, file, at, piece));
+    if (count != std::min<std::uint64_t>(kPieceBytes, digest.bytes - at))
       return Unavailable(path + ": changed while it was read");
-    hasher.Update(piece);
+    hasher.Update(std::string_view(piece).substr(0, count));
   }
   digest.sha256 = hasher.Finish();
   files_[digest.sha256] = {path, digest.bytes, facts.st_mtim};
@@ -77,12 +79,13 @@ Result<ArtifactChunk> ServedFiles::ReadChunk(const ArtifactKey& key, std::uint64
   struct stat facts {};
   if (fstat(file.descriptor(), &facts) != 0) return FileFailure(served.path, "examine the file");
   const std::uint64_t count = std::min(max_bytes, served.bytes - offset);
-  DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, ReadAt(served.path, file, offset, static_cast<std::size_t>(count)));
+  DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, chunk_memory_.Take(static_cast<std::size_t>(count)));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t read, ReadAt(served.path, file, offset, bytes));
   if (!S_ISREG(facts.st_mode) || static_cast<std::uint64_t>(facts.st_size) != served.bytes ||
-      !SameTime(facts.st_mtim, served.changed) || bytes.size() != count) {
+      !SameTime(facts.st_mtim, served.changed) || read != count) {
     return Corrupt(served.path + ": was changed since the job was submitted");
   }
-  return ArtifactChunk{served.bytes, std::move(bytes)};
+  return ArtifactChunk{served.bytes, chunk_memory_.Share(std::move(bytes))};
 }
 
 }  // namespace depthfarm

@@ -11,6 +11,7 @@
 
 #include "common/base/status.h"
 #include "common/job/task_spec.h"
+#include "worker/artifacts/chunk_memory.h"
 #include "worker/artifacts/chunk_source.h"
 
 namespace depthfarm {
@@ -33,6 +34,7 @@ class ServedFiles : public ChunkSource {
     std::uint64_t bytes = 0;
     timespec changed{};  // its modification time
   };
+  ChunkMemory chunk_memory_;
   std::map<ArtifactKey, File> files_;
   std::map<std::string, FileDigest> added_;  // by path
 };

@@ -74,7 +74,7 @@ TEST_F(SharedStore, FindsWhatAnotherStoreMade) {
   const ArtifactInfo made = first->Put(Key(1), Content(1)).value();
   EXPECT_EQ(second->Find(Key(1)), made);
   EXPECT_EQ(second->Get(Key(1)).value(), Content(1));
-  EXPECT_EQ(second->ReadChunk(Key(1), 990, 100).value().data, std::string(10, 'b'));
+  EXPECT_EQ(second->ReadChunk(Key(1), 990, 100).value().data.view(), std::string(10, 'b'));
   EXPECT_EQ(second->List().size(), 1U);
   EXPECT_EQ(second->total_bytes(), RoomFor(1));
   ASSERT_TRUE(second->Put(Key(1), Content(1)).ok());
@@ -279,7 +279,7 @@ int Hammer(ArtifactStore& store, std::uint_fast32_t seed, int rounds) {
       wrong += back.ok() && *back == Content(i) ? 0 : 1;
     } else if (dice < 9) {
       const Result<ArtifactChunk> chunk = store.ReadChunk(Key(i), 0, kBytes);
-      if (chunk.ok() ? chunk->data != Content(i) : chunk.status().code() != ErrorCode::kUnavailable) ++wrong;
+      if (chunk.ok() ? chunk->data.view() != Content(i) : chunk.status().code() != ErrorCode::kUnavailable) ++wrong;
     } else {
       if (random() % 2 == 0) {
         store.Release({Key(i)});

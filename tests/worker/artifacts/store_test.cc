@@ -97,7 +97,7 @@ TEST_F(ArtifactStoreTest, KeepsAnEmptyArtifact) {
   Open(kPlenty);
   ASSERT_TRUE(store_->Put(Key(1), "").ok());
   EXPECT_EQ(store_->Get(Key(1)).value(), "");
-  EXPECT_EQ(store_->ReadChunk(Key(1), 0, 10).value().data, "");
+  EXPECT_EQ(store_->ReadChunk(Key(1), 0, 10).value().data.view(), "");
 }
 
 TEST_F(ArtifactStoreTest, SurvivesARestart) {
@@ -184,10 +184,10 @@ TEST_F(ArtifactStoreTest, ChunksJoinToTheArtifact) {
   for (std::uint64_t offset = 0; offset < artifact.size(); offset += 4) {
     const ArtifactChunk chunk = store_->ReadChunk(Key(1), offset, 4).value();
     EXPECT_EQ(chunk.total_bytes, artifact.size());
-    joined += chunk.data;
+    joined += chunk.data.view();
   }
   EXPECT_EQ(joined, artifact);
-  EXPECT_EQ(store_->ReadChunk(Key(1), 10, 4).value().data, "");
+  EXPECT_EQ(store_->ReadChunk(Key(1), 10, 4).value().data.view(), "");
   EXPECT_EQ(store_->ReadChunk(Key(1), 11, 4).status().code(), ErrorCode::kInvalidArgument);
 }
 
@@ -303,7 +303,7 @@ TEST_F(ArtifactStoreTest, ServesChunksWhileAnotherThreadStoresAndEvicts) {
     do {
       const int i = static_cast<int>(random() % 8);
       const Result<ArtifactChunk> chunk = store_->ReadChunk(Key(i), 0, 1000);
-      if (chunk.ok() && chunk->data != content(i)) ++wrong;
+      if (chunk.ok() && chunk->data.view() != content(i)) ++wrong;
       if (!chunk.ok() && chunk.status().code() != ErrorCode::kUnavailable) ++wrong;
     } while (!done);
   });

@@ -37,7 +37,7 @@ TEST_F(ServedFilesTest, AreServedInPiecesByTheDigestOfTheirContent) {
   const Result<ArtifactChunk> chunk = files_.ReadChunk(digest->sha256, 2'999'990, 100);
   ASSERT_TRUE(chunk.ok()) << chunk.status().message();
   EXPECT_EQ(chunk->total_bytes, content.size());
-  EXPECT_EQ(chunk->data, content.substr(0, 10));
+  EXPECT_EQ(chunk->data.view(), content.substr(0, 10));
   EXPECT_EQ(files_.ReadChunk(digest->sha256, 3'000'001, 1).status().code(), ErrorCode::kInvalidArgument);
   EXPECT_EQ(files_.ReadChunk(Sha256("other"), 0, 1).status().code(), ErrorCode::kUnavailable);
 }

@@ -271,7 +271,9 @@ TEST_F(TransferTest, NeverHasMoreRequestsUnderWayThanItsCredit) {
 // Answers from a store, with a wrong byte in each piece.
 PeerAnswer WrongBytes(ArtifactStore& store, const v1::Envelope& request) {
   PeerAnswer answer = AnswerPeer(store, request);
-  answer.attachment.front() ^= 1;
+  std::string bytes(answer.attachment.view());
+  bytes.front() ^= 1;
+  answer.attachment = std::move(bytes);
   return answer;
 }
 
@@ -317,9 +319,11 @@ TEST_F(TransferTest, StartsAnewWhenPiecesOfAnEarlierLocationWereWrong) {
 TEST_F(TransferTest, RefusesChunksThatDoNotFit) {
   const ArtifactInfo info = holder_.store->Put(Key(1), RandomBytes(5000)).value();
   const std::vector<std::function<void(PeerAnswer&)>> distortions{
-      [](PeerAnswer& answer) { answer.attachment.push_back('x'); },
-      [](PeerAnswer& answer) { answer.attachment.pop_back(); },
-      [](PeerAnswer& answer) { answer.attachment.clear(); },
+      [](PeerAnswer& answer) { answer.attachment = std::string(answer.attachment.view()) + 'x'; },
+      [](PeerAnswer& answer) {
+        answer.attachment = std::string(answer.attachment.view().substr(0, answer.attachment.size() - 1));
+      },
+      [](PeerAnswer& answer) { answer.attachment = SharedBytes(); },
       [](PeerAnswer& answer) { answer.envelope.mutable_chunk()->set_offset(answer.envelope.chunk().offset() + 1); },
       [](PeerAnswer& answer) { answer.envelope.mutable_chunk()->set_total_bytes(1); },
       [](PeerAnswer& answer) { answer.envelope.mutable_chunk()->set_key("key"); },
