@@ -22,10 +22,11 @@ void PreferLargePages(char* bytes, std::size_t size) {
 
 }  // namespace
 
-Result<Assembly> Assembly::Create(std::uint64_t total_bytes, std::uint32_t chunk_bytes) {
+Result<Assembly> Assembly::Create(std::uint64_t total_bytes, std::uint32_t chunk_bytes, std::uint64_t large_bytes) {
   Assembly assembly;
   assembly.total_bytes_ = total_bytes;
   assembly.chunk_bytes_ = chunk_bytes;
+  assembly.large_ = total_bytes >= large_bytes;
   try {
     assembly.bytes_.reserve(total_bytes);
     PreferLargePages(assembly.bytes_.data(), total_bytes);
@@ -71,25 +72,43 @@ void Assembly::Fill(std::size_t index, std::string_view data) {
   }
   state_[index] = State::kFilled;
   ++filled_;
+  if (large_) TellTrailing();
+}
+
+void Assembly::TellTrailing() {
+  const std::size_t before = whole_;
+  while (whole_ < state_.size() && state_[whole_] == State::kFilled) ++whole_;
+  if (whole_ == before) return;
+  // Not earlier: then the bytes have their place, and a transfer that brings nothing has no thread.
+  if (!trailing_) trailing_ = TrailingDigest::Start(bytes_.data(), static_cast<std::size_t>(total_bytes_));
+  if (!trailing_) {
+    large_ = false;
+    return;
+  }
+  const Piece last = PieceAt(whole_ - 1);
+  trailing_->Advance(static_cast<std::size_t>(last.offset) + last.bytes);
 }
 
 void Assembly::Reset() {
+  trailing_.reset();
   std::ranges::fill(state_, State::kMissing);
   first_missing_ = 0;
   filled_ = 0;
+  whole_ = 0;
   hasher_ = Sha256Hasher();
   hashed_ = 0;
 }
 
-bool Assembly::HashNext() {
-  if (hashed_ == state_.size() || state_[hashed_] != State::kFilled) return false;
+void Assembly::HashNext() {
+  if (large_ || hashed_ == state_.size() || state_[hashed_] != State::kFilled) return;
   const Piece piece = PieceAt(hashed_++);
   hasher_.Update(std::string_view(bytes_).substr(static_cast<std::size_t>(piece.offset), piece.bytes));
-  return true;
 }
 
-Sha256Digest Assembly::Digest() {
-  while (HashNext()) continue;
+std::optional<Sha256Digest> Assembly::Digest(std::chrono::milliseconds timeout) {
+  if (large_ && trailing_) return trailing_->Wait(timeout);
+  HashNext();
+  if (hashed_ < state_.size()) return std::nullopt;
   return hasher_.Finish();
 }
 

@@ -1,7 +1,9 @@
 #ifndef DEPTHFARM_WORKER_TRANSFER_ASSEMBLY_H_
 #define DEPTHFARM_WORKER_TRANSFER_ASSEMBLY_H_
 
+#include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,11 +11,12 @@
 
 #include "common/base/status.h"
 #include "common/digest/sha256.h"
+#include "worker/transfer/trailing_digest.h"
 
 namespace depthfarm {
 
 // An artifact of known size that arrives in chunks, in any order and from any location. Its digest is computed beside
-// the arrival, in steps of a chunk.
+// the arrival: of a large one on a thread of its own, else by whoever fills it, in steps of a chunk.
 class Assembly {
  public:
   struct Piece {
@@ -21,8 +24,10 @@ class Assembly {
     std::uint32_t bytes = 0;
   };
 
-  // Takes memory for all of it. Errors: kUnavailable when there is none.
-  [[nodiscard]] static Result<Assembly> Create(std::uint64_t total_bytes, std::uint32_t chunk_bytes);
+  // Takes memory for all of it. One of `large_bytes` or more has a thread for its digest, from its first piece on.
+  // Errors: kUnavailable when there is no memory.
+  [[nodiscard]] static Result<Assembly> Create(std::uint64_t total_bytes, std::uint32_t chunk_bytes,
+                                               std::uint64_t large_bytes);
 
   [[nodiscard]] std::size_t num_pieces() const { return state_.size(); }
   [[nodiscard]] Piece PieceAt(std::size_t index) const;
@@ -38,15 +43,18 @@ class Assembly {
   // Nothing is here any more.
   void Reset();
 
-  // One step of the digest; false when there is nothing to be done for it now.
-  bool HashNext();
-  // Requires a complete assembly; once.
-  [[nodiscard]] Sha256Digest Digest();
+  // One step of the digest, if there is one to be done here and now.
+  void HashNext();
+  // Requires a complete assembly. The digest of all; none when it takes longer than `timeout` or a step of its own.
+  [[nodiscard]] std::optional<Sha256Digest> Digest(std::chrono::milliseconds timeout);
+  // Requires that no thread hashes it: Digest has told, or Reset was called.
   [[nodiscard]] std::string Take() && { return std::move(bytes_); }
 
  private:
   enum class State : std::uint8_t { kMissing, kAsked, kFilled };
   Assembly() = default;
+  // To the thread of the digest, how far the pieces go.
+  void TellTrailing();
 
   std::string bytes_;  // up to the end of the last piece that is here: memory is touched when it is filled
   std::uint64_t total_bytes_ = 0;
@@ -54,6 +62,9 @@ class Assembly {
   std::vector<State> state_;
   std::size_t first_missing_ = 0;  // no piece before it is kMissing
   std::size_t filled_ = 0;
+  std::size_t whole_ = 0;  // pieces that are here from the first on without a gap
+  bool large_ = false;
+  std::unique_ptr<TrailingDigest> trailing_;  // null: hashed here
   Sha256Hasher hasher_;
   std::size_t hashed_ = 0;  // pieces, from the first on
 };

@@ -34,26 +34,27 @@ Fetch::~Fetch() {
 }
 
 Result<std::string> Fetch::Run() {
-  DEPTHFARM_ASSIGN_OR_RETURN(Assembly assembly, Assembly::Create(artifact_.stored_bytes, options_.chunk_bytes));
+  DEPTHFARM_ASSIGN_OR_RETURN(
+      Assembly assembly, Assembly::Create(artifact_.stored_bytes, options_.chunk_bytes, options_.digest_thread_bytes));
   // Another location is worth its connection when it has its credit to send.
   const std::size_t worth = assembly.num_pieces() / static_cast<std::size_t>(options_.chunks_of_location);
   max_sources_ = std::clamp(worth, std::size_t{1}, static_cast<std::size_t>(options_.max_locations));
   while (true) {
     if (candidates_.empty() && sources_.empty()) return failure_;
-    DEPTHFARM_RETURN_IF_ERROR(Complete(assembly));
-    if (assembly.Digest() == artifact_.content_digest) return std::move(assembly).Take();
+    DEPTHFARM_ASSIGN_OR_RETURN(const Sha256Digest digest, Complete(assembly));
+    if (digest == artifact_.content_digest) return std::move(assembly).Take();
     // Nobody was asked, and nobody could send something else.
     if (artifact_.stored_bytes == 0) return Corrupt("is empty, and its digest is not that of nothing");
     StartAnew(assembly);
   }
 }
 
-Status Fetch::Complete(Assembly& assembly) {
+Result<Sha256Digest> Fetch::Complete(Assembly& assembly) {
   while (true) {
     if (stop_.stop_requested()) return Cancelled();
     if (assembly.complete()) {
-      if (assembly.HashNext()) continue;
-      return {};
+      if (const std::optional<Sha256Digest> digest = assembly.Digest(kStopCheck)) return *digest;
+      continue;
     }
     AdmitSources(assembly);
     if (sources_.empty()) return failure_;

@@ -28,6 +28,8 @@ struct FetchOptions {
   int chunks_in_flight = 12;
   int max_locations = 4;                // at once
   std::uint32_t chunk_bytes = 1 << 20;  // at most kMaxChunkBytes
+  // An artifact of this size or more has a thread for its digest: a smaller one is here before that would pay.
+  std::uint64_t digest_thread_bytes = 8 << 20;
   // A location that sends nothing for this long loses its turn to others, if there are any.
   std::chrono::milliseconds patience{1000};
   std::chrono::milliseconds silence{4000};   // one that sends nothing for this long has failed
@@ -64,8 +66,8 @@ class Fetch {
     Status failure;
   };
 
-  // Fills the assembly, and takes its digest as far as it can. Errors: kCancelled; kUnavailable: no location is left.
-  [[nodiscard]] Status Complete(Assembly& assembly);
+  // Fills the assembly and returns its digest. Errors: kCancelled; kUnavailable: no location is left.
+  [[nodiscard]] Result<Sha256Digest> Complete(Assembly& assembly);
   void AdmitSources(Assembly& assembly);
   void Ask(Assembly& assembly);
   [[nodiscard]] Status AskOne(Assembly& assembly, Source& source);

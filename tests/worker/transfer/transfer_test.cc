@@ -99,6 +99,7 @@ class TransferTest : public testing::Test {
   static FetchOptions SmallChunks(std::chrono::milliseconds silence = std::chrono::milliseconds(1500)) {
     FetchOptions options;
     options.chunk_bytes = 1000;
+    options.digest_thread_bytes = 4000;
     options.patience = silence / 3;
     options.silence = silence;
     return options;
