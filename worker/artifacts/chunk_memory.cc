@@ -32,6 +32,11 @@ Result<std::string> ChunkMemory::Take(std::size_t bytes) {
 
 SharedBytes ChunkMemory::Share(std::string bytes) {
   if (bytes.size() != kKeptBytes) return SharedBytes(std::move(bytes));
+  {
+    // Where it comes back nothing may throw.
+    const std::scoped_lock lock(kept_->mutex);
+    kept_->strings.reserve(kMostKept);
+  }
   const auto give_back = [kept = kept_](std::string* memory) {
     const std::unique_ptr<std::string> owned(memory);
     const std::scoped_lock lock(kept->mutex);

@@ -67,7 +67,8 @@ class PeerFetcher : public ArtifactFetcher {
 };
 
 // A worker: carries out what its Lifecycle decides. Threads: the caller of Run talks to the coordinator, one computes
-// for each slot, one fetches inputs ahead, one serves artifacts to peers.
+// for each slot, one fetches inputs ahead, one serves artifacts to peers;
+// whoever fetches a large artifact has another one for its digest.
 class WorkerService {
  public:
   // Opens store and sockets. Errors: kInvalidArgument: endpoints, keys, security rules; kUnavailable: folder or
