@@ -19,6 +19,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 // How often a waiting call looks whether it should stop.
 constexpr milliseconds kLookInterval{100};
+constexpr std::uint32_t kJobsOfPage = 500;
 
 template <typename Messages>
 auto ToVector(const Messages& messages) {
@@ -134,10 +135,19 @@ Result<v1::Results> Client::GetResults(std::uint64_t job_id, std::uint32_t first
 }
 
 Result<std::vector<v1::JobStatus>> Client::ListJobs() {
-  v1::Envelope question;
-  question.mutable_list_jobs();
-  DEPTHFARM_ASSIGN_OR_RETURN(const v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobList));
-  return ToVector(answer.job_list().jobs());
+  std::vector<v1::JobStatus> jobs;
+  std::uint64_t after = 0;
+  while (true) {
+    v1::Envelope question;
+    question.mutable_list_jobs()->set_max_jobs(kJobsOfPage);
+    question.mutable_list_jobs()->set_after(after);
+    DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobList));
+    for (v1::JobStatus& job : *answer.mutable_job_list()->mutable_jobs()) jobs.push_back(std::move(job));
+    const std::uint64_t next = answer.job_list().next();
+    if (next == 0) return jobs;
+    if (next <= after) return Corrupt("coordinator " + endpoint_ + " answered with the same jobs again");
+    after = next;
+  }
 }
 
 Result<v1::JobLogs> Client::GetLogs(std::uint64_t job_id, const std::string& task) {

@@ -84,6 +84,7 @@ class Client {
   [[nodiscard]] Result<v1::JobStatus> GetStatus(std::uint64_t job_id, bool serves_uploads = false);
   // What is done of a job that keeps its results, from a frame on; several questions may be needed.
   [[nodiscard]] Result<v1::Results> GetResults(std::uint64_t job_id, std::uint32_t first_frame);
+  // All that the coordinator knows, in as many questions as it takes.
   [[nodiscard]] Result<std::vector<v1::JobStatus>> ListJobs();
   // Of the tasks that `task` names (GetJobLogs), of all if it is empty: the whole, in as many questions as it takes.
   [[nodiscard]] Result<v1::JobLogs> GetLogs(std::uint64_t job_id, const std::string& task);

@@ -309,7 +309,7 @@ Result<v1::Envelope> Coordinator::Answer(const v1::Envelope& request) {
     case v1::Envelope::kSubmitJob:
       return Submit(request.submit_job());
     case v1::Envelope::kListJobs:
-      return ListJobs();
+      return ListJobs(request.list_jobs());
     case v1::Envelope::kGetJobStatus:
       if (request.get_job_status().serves_uploads()) Dispatch(SubmitterHeard{JobId(request.get_job_status().job_id())});
       return StatusOf(JobId(request.get_job_status().job_id()));

@@ -97,7 +97,7 @@ class Coordinator {
   [[nodiscard]] Result<v1::Envelope> LogsOf(const v1::GetJobLogs& request) const;
   [[nodiscard]] Result<v1::Envelope> Cancel(JobId id);
   [[nodiscard]] Result<v1::Envelope> Drain(const std::string& name);
-  [[nodiscard]] v1::Envelope ListJobs() const;
+  [[nodiscard]] v1::Envelope ListJobs(const v1::ListJobs& request) const;
   [[nodiscard]] v1::Envelope ListWorkers() const;
   [[nodiscard]] Result<v1::Envelope> BacklogOf(const v1::GetBacklog& request) const;
 

@@ -1,4 +1,5 @@
 // What clients are told of jobs and workers.
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -8,6 +9,7 @@
 #include "common/wire/bounds.h"
 #include "common/wire/task_wire.h"
 #include "coordinator/service/coordinator.h"
+#include "coordinator/service/job_list_page.h"
 #include "coordinator/service/logs_wire.h"
 #include "coordinator/service/results_page.h"
 #include "coordinator/service/status_wire.h"
@@ -74,15 +76,29 @@ Result<v1::Envelope> Coordinator::LogsOf(const v1::GetJobLogs& request) const {
   return answer;
 }
 
-v1::Envelope Coordinator::ListJobs() const {
-  v1::Envelope answer;
-  v1::JobList* list = answer.mutable_job_list();
-  for (const auto& [id, job] : history_.jobs()) {
-    *list->add_jobs() = job;
-    list->mutable_jobs()->rbegin()->clear_failed_attempts();  // all of them are too long for one message
+v1::Envelope Coordinator::ListJobs(const v1::ListJobs& request) const {
+  // By id, whether they ended or not: one that ends between two pages is on one of them all the same.
+  std::map<JobId, const JobSnapshot*> running;
+  const std::vector<JobSnapshot> snapshots = scheduler_.Jobs();
+  for (const JobSnapshot& job : snapshots) running[job.id] = &job;
+  std::set<JobId> ids;
+  for (const auto& [id, job] : history_.jobs()) ids.insert(id);
+  for (const auto& [id, job] : running) ids.insert(id);
+
+  JobListPage page(request);
+  for (const JobId id : ids) {
+    if (!page.IsAfter(id)) continue;
+    v1::JobStatus status;
+    if (const auto job = running.find(id); job != running.end()) {
+      status = StatusToProto(*job->second, jobs_.at(id).summary, now_);
+    } else {
+      status = *history_.Find(id);
+      status.clear_failed_attempts();  // all of them are too long for one message
+    }
+    if (!page.Add(std::move(status))) break;
   }
-  for (const JobSnapshot& job : scheduler_.Jobs())
-    *list->add_jobs() = StatusToProto(job, jobs_.at(job.id).summary, now_);
+  v1::Envelope answer;
+  *answer.mutable_job_list() = std::move(page).Take();
   return answer;
 }
 

@@ -197,6 +197,31 @@ TEST(Client, ListsComeInTheOrderOfTheCoordinator) {
   EXPECT_EQ((*jobs)[2].job_id(), 7U);
 }
 
+TEST(Client, ReadsAllPagesOfTheJobs) {
+  const FakeCoordinator coordinator([](const v1::Envelope& question) {
+    const v1::ListJobs& ask = question.list_jobs();
+    EXPECT_GT(ask.max_jobs(), 0U);
+    v1::Envelope answer;
+    answer.mutable_job_list()->add_jobs()->set_job_id(ask.after() + 1);
+    answer.mutable_job_list()->add_jobs()->set_job_id(ask.after() + 2);
+    if (ask.after() < 4) answer.mutable_job_list()->set_next(ask.after() + 2);
+    return Answers{answer};
+  });
+  const auto jobs = ClientOf(coordinator)->ListJobs();
+  ASSERT_TRUE(jobs.ok()) << jobs.status().message();
+  ASSERT_EQ(jobs->size(), 6U);
+  for (std::size_t i = 0; i < jobs->size(); ++i) EXPECT_EQ((*jobs)[i].job_id(), i + 1);
+}
+
+TEST(Client, PagesThatGoRoundAreCorrupt) {
+  const FakeCoordinator coordinator([](const v1::Envelope&) {
+    v1::Envelope answer;
+    answer.mutable_job_list()->set_next(3);
+    return Answers{answer};
+  });
+  EXPECT_EQ(ClientOf(coordinator)->ListJobs().status().code(), ErrorCode::kCorrupt);
+}
+
 TEST(Client, RefusesTcpWithoutKeysAndBadEndpoints) {
   const auto code = [](const CoordinatorTarget& target) { return Client::Connect(target).status().code(); };
   EXPECT_EQ(code({.endpoint = "tcp://127.0.0.1:7700", .keys_dir = ""}), ErrorCode::kInvalidArgument);

@@ -40,6 +40,38 @@ TEST(Coordinator, DrivesAJobOfTwoGopsToItsEndOverASocket) {
   for (const v1::StageStatus& stage : status.stages()) EXPECT_EQ(stage.tasks_done(), stage.tasks_total());
 }
 
+TEST(Coordinator, ListsJobsInPagesToWhoAsksForThem) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  for (const char* const output : {"/out/a", "/out/b", "/out/c"}) (void)client.Call(SubmitRequest(2, output));
+  // The second one has ended, the others have not.
+  v1::Envelope request;
+  request.mutable_cancel_job()->set_job_id(2);
+  ASSERT_TRUE(client.Call(request).has_done());
+
+  const auto list = [&](std::uint32_t max_jobs, std::uint64_t after) {
+    v1::Envelope ask;
+    ask.mutable_list_jobs()->set_max_jobs(max_jobs);
+    ask.mutable_list_jobs()->set_after(after);
+    return client.Call(ask).job_list();
+  };
+  const v1::JobList first = list(2, 0);
+  ASSERT_EQ(first.jobs_size(), 2);
+  EXPECT_EQ(first.jobs(0).job_id(), 1U);
+  EXPECT_EQ(first.jobs(1).job_id(), 2U);
+  EXPECT_EQ(first.jobs(1).state(), v1::JOB_STATE_CANCELLED);
+  EXPECT_EQ(first.next(), 2U);
+  const v1::JobList last = list(2, first.next());
+  ASSERT_EQ(last.jobs_size(), 1);
+  EXPECT_EQ(last.jobs(0).job_id(), 3U);
+  EXPECT_EQ(last.next(), 0U);
+  // A client of an older version asks for nothing of the kind.
+  EXPECT_EQ(list(0, 0).jobs_size(), 3);
+  EXPECT_EQ(list(0, 0).next(), 0U);
+}
+
 TEST(Coordinator, ListsJobsAndWorkersAndCancels) {
   const TemporaryFolder folder;
   RunningCoordinator coordinator(On(folder));
@@ -171,7 +203,7 @@ TEST(Coordinator, APeerOfTheNextMinorVersionIsServedAndToldWhatIsNotKnown) {
   client.SendBytes(as_later({}, false));
   const v1::Error unknown = client.Receive().error();
   EXPECT_EQ(unknown.code(), v1::CODE_INVALID_ARGUMENT);
-  EXPECT_EQ(unknown.message(), "a message that this end, of protocol 8.1, does not know; the peer has protocol 8.2");
+  EXPECT_EQ(unknown.message(), "a message that this end, of protocol 8.2, does not know; the peer has protocol 8.3");
   client.SendBytes(as_later(SubmitRequest(2, "/out/a"), true));
   EXPECT_TRUE(client.Receive().has_job_accepted());
   FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
