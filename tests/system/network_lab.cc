@@ -108,7 +108,31 @@ std::string NetworkLab::Part(int host, int other) const {
   return RunOn(host, Rules("ip saddr " + AddressOf(other), "ip daddr " + AddressOf(other)));
 }
 
+std::string NetworkLab::Delay(int host, const LongWay& way) {
+  std::unique_ptr<LongCable>& cable = long_cables_[host];
+  if (!cable) {
+    // Between its port and the switch, in a bridge of its own: the host notices nothing.
+    const std::string name = std::to_string(host);
+    const std::string near = "near" + name;
+    const std::string far = "far" + name;
+    const std::string box = "box" + name;
+    auto made = [&] {
+      const On on(switch_);
+      return std::make_unique<LongCable>(near, far);
+    }();
+    if (!made->problem().empty()) return made->problem();
+    std::string plugged = Run(switch_, "ip link add " + box + " type bridge && ip link set " + box +
+                                           " up && ip link set " + near + " master " + box + " up && ip link set " +
+                                           far + " master br0 up && ip link set " + Port(host) + " master " + box);
+    if (!plugged.empty()) return plugged;
+    cable = std::move(made);
+  }
+  cable->Set(way);
+  return "";
+}
+
 std::string NetworkLab::Heal(int host) const {
+  if (const auto cable = long_cables_.find(host); cable != long_cables_.end() && cable->second) cable->second->Set({});
   std::string plugged = Run(switch_, "ip link set " + Port(host) + " up");
   if (!plugged.empty()) return plugged;
   return RunOn(host, "if nft list table inet lab >/dev/null 2>&1; then nft delete table inet lab; fi");

@@ -1,8 +1,12 @@
 #ifndef DEPTHFARM_TESTS_SYSTEM_NETWORK_LAB_H_
 #define DEPTHFARM_TESTS_SYSTEM_NETWORK_LAB_H_
 
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
+
+#include "tests/system/long_cable.h"
 
 namespace depthfarm::system_test {
 
@@ -44,7 +48,9 @@ class NetworkLab {
   [[nodiscard]] std::string Lose(int host, int percent) const;
   // What these two send to each other.
   [[nodiscard]] std::string Part(int host, int other) const;
-  // Undoes all of it.
+  // What it sends, and what is sent to it, takes its time, each way. Says so where there are no TAP devices.
+  [[nodiscard]] std::string Delay(int host, const LongWay& way);
+  // Undoes all of it. What is under way already arrives as late as it would have.
   [[nodiscard]] std::string Heal(int host) const;
 
  private:
@@ -55,6 +61,7 @@ class NetworkLab {
 
   int switch_ = -1;
   std::vector<int> hosts_;
+  std::map<int, std::unique_ptr<LongCable>> long_cables_;  // by host
   std::string problem_;
 };
 

@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstdint>
 #include <optional>
 #include <ostream>
+#include <set>
+#include <string>
 
 #include "tests/system/disturbed_job.h"
 #include "tests/system/network_lab.h"
@@ -12,6 +16,8 @@
 
 namespace depthfarm::system_test {
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr int kWorkers = 3;
 
@@ -25,7 +31,8 @@ class Network : public DisturbedJob {
  protected:
   void SetUp() override {
     lab_.emplace(1 + kWorkers);
-    if (!lab_->problem().empty()) GTEST_SKIP() << lab_->problem();
+    const std::string problem = lab_->problem().empty() ? Lay() : lab_->problem();
+    if (!problem.empty()) GTEST_SKIP() << problem;
     DisturbedJob::SetUp();
     expected_ = Undisturbed();
     ASSERT_EQ(Depthfarm({"keygen", "-o", folder_ / "keys"}).exit_code, 0);
@@ -39,12 +46,22 @@ class Network : public DisturbedJob {
     ASSERT_TRUE(WaitForWorkers(kWorkers)) << farm_->Logs();
   }
   void TearDown() override { coordinators_.reset(); }
+  // Makes the network something else than hosts on a switch, before anybody uses it. Why it can't; empty if it could.
+  [[nodiscard]] virtual std::string Lay() { return ""; }
 
   [[nodiscard]] bool WaitForWorkers(std::size_t workers) {
     return WaitUntil([&] {
       const auto there = farm_->client().ListWorkers();
       return there.ok() && there->size() == workers;
     });
+  }
+  // How attempts of a job's tasks ended, other than well.
+  [[nodiscard]] std::set<std::string> Mishaps(std::uint64_t job) {
+    const Outcome told = Depthfarm(Words{"logs", std::to_string(job), "--json"} + farm_->Options());
+    std::set<std::string> mishaps;
+    for (const nlohmann::json& attempt : ParseJsonTail(told.output)["attempts"]) mishaps.insert(attempt["outcome"]);
+    mishaps.erase("done");
+    return mishaps;
   }
   // Times that the worker of a host has said Hello.
   [[nodiscard]] int Hellos(int host) const { return Count(farm_->LogOf(host - 1), " hello "); }
@@ -125,6 +142,51 @@ TEST_F(Network, ThatPartsTwoWorkersHasThemMakeAgainWhatTheyCannotFetch) {
   ASSERT_EQ(lab_->Part(1, 2), "");
   ExpectDone(*farm_, job, output, expected_);
   ASSERT_EQ(lab_->Heal(1), "");
+  ExpectNextJobIsRight(*farm_, expected_);
+}
+
+// Most of what such a job takes is the way to and fro: few tasks.
+Words JobOfFewTasks() {
+  return {"--segments", "600", "--levels", "24", "--gop", "2", "--level-blocks", "2", "--refine", "1"};
+}
+
+// As between cities: each host is so far from the switch.
+class LongNetwork : public Network {
+ protected:
+  LongNetwork() { job_ = JobOfFewTasks(); }
+  std::string Lay() override {
+    for (int host = 1; host <= kWorkers; ++host) {
+      std::string problem = lab_->Delay(host, {.delay = 80ms, .jitter = 20ms});
+      if (!problem.empty()) return problem;
+    }
+    return "";
+  }
+};
+
+TEST_F(LongNetwork, HasAJobDoneAsByTheNeighbours) {
+  const std::string output = folder_ / "out";
+  const std::uint64_t job = Submit(*farm_, output);
+  ExpectDone(*farm_, job, output, expected_);
+  EXPECT_THAT(Mishaps(job), testing::IsEmpty()) << farm_->Logs();
+}
+
+class SlowedNetwork : public Network {
+ protected:
+  SlowedNetwork() { job_ = JobOfFewTasks(); }
+  std::string Lay() override { return lab_->Delay(0, {}); }
+};
+
+// Of the coordinator: the answer to a heartbeat comes after the next one was sent (they are sent every second), and far
+// within a lease (6 s).
+TEST_F(SlowedNetwork, InTheMiddleOfAJobCostsNoLease) {
+  const std::string output = folder_ / "out";
+  const std::uint64_t job = Submit(*farm_, output);
+  ASSERT_NO_FATAL_FAILURE(WaitForTasks(*farm_, job, 70));
+  ASSERT_EQ(lab_->Delay(0, {.delay = 600ms, .jitter = 50ms}), "");
+  ExpectDone(*farm_, job, output, expected_);
+  EXPECT_THAT(Mishaps(job), testing::IsEmpty()) << farm_->Logs();
+  for (int host = 1; host <= kWorkers; ++host) EXPECT_EQ(Hellos(host), 1) << farm_->Logs();
+  ASSERT_EQ(lab_->Heal(0), "");
   ExpectNextJobIsRight(*farm_, expected_);
 }
 
