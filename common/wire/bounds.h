@@ -26,6 +26,7 @@ inline constexpr int kMaxLocations = 64;
 inline constexpr std::size_t kMaxTaskLogLines = 64;
 inline constexpr std::size_t kMaxTaskLogBytes = 16384;  // of all lines
 inline constexpr std::size_t kMaxTaskLogLineBytes = 2048;
+inline constexpr std::size_t kMaxDeathBytes = 200;  // of how a worker died
 inline constexpr std::uint64_t kMaxArtifactBytes = std::uint64_t{1} << 36;
 
 // `value` as an int of [0, max].

@@ -90,7 +90,7 @@ struct AttemptEnded {
   AttemptOutcome outcome = AttemptOutcome::kDone;
   Status error;  // of kFailed, kExpired and kWorkerLost
 };
-// The worker was silent for a lease: it is out until it says Hello again.
+// The worker was silent for a lease, or died: it is out until it says Hello again.
 struct WorkerLost {
   WorkerId worker;
   std::string name;

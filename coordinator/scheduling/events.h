@@ -107,10 +107,16 @@ struct ArtifactsDropped {
 struct WorkerLeft {
   WorkerId worker;
 };
+// Its process ended without a goodbye: what its slots computed failed with it, at once.
+struct WorkerDied {
+  WorkerId worker;
+  std::string how;                 // after "the worker "
+  std::vector<LeaseId> computing;  // what they were; empty: not told, as many of its leases as it has slots
+};
 
 using Event =
     std::variant<JobSubmitted, SubmitterHeard, JobCancelled, ResultsRestored, JobForgotten, WorkerDrained, WorkerJoined,
-                 WorkerAsked, WorkerHeard, TaskFinished, TaskFailed, ArtifactsDropped, WorkerLeft>;
+                 WorkerAsked, WorkerHeard, TaskFinished, TaskFailed, ArtifactsDropped, WorkerLeft, WorkerDied>;
 
 }  // namespace depthfarm
 

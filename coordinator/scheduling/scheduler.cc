@@ -224,15 +224,24 @@ void Scheduler::On(const WorkerLeft& event) {
   if (Worker* worker = workers_.Find(event.worker)) RemoveWorker(*worker, nullptr);
 }
 
-void Scheduler::RemoveWorker(Worker& worker, const Status* lost) {
+void Scheduler::On(const WorkerDied& event) {
+  const Status died(ErrorCode::kUnavailable, "the worker " + event.how);
+  if (Worker* worker = workers_.Find(event.worker)) RemoveWorker(*worker, &died, event.computing);
+}
+
+void Scheduler::RemoveWorker(Worker& worker, const Status* lost, const std::vector<LeaseId>& computing) {
   const WorkerId id = worker.id;
   const std::string name = worker.name;
   for (auto& [job_id, job] : jobs_) job.homes.Forget(id);
-  AddNote(lost == nullptr ? Note::Severity::kInfo : Note::Severity::kWarning,
-          lost == nullptr ? "worker_left" : "worker_lost", {{"worker", Number(id.value())}, {"name", name}});
-  if (lost != nullptr) Add(WorkerLost{id, name});
+  if (lost == nullptr) {
+    AddNote(Note::Severity::kInfo, "worker_left", {{"worker", Number(id.value())}, {"name", name}});
+  } else {
+    AddNote(Note::Severity::kWarning, "worker_lost",
+            {{"worker", Number(id.value())}, {"name", name}, {"reason", lost->message()}});
+    Add(WorkerLost{id, name});
+  }
   LoseArtifacts(directory_.RemoveWorker(id));
-  EndLeasesOf(worker, lost);
+  EndLeasesOf(worker, lost, computing);
   workers_.Remove(id);
 }
 

@@ -46,7 +46,8 @@ struct SchedulerOptions {
 //
 //   Job     Running --last task--> Done;  --task gave up, or cancelled--> leases revoked, Cleanup --> Failed, Cancelled
 //   Task    see TaskState;   Lease   granted --renewed by heartbeats--> result, failure, expiry, or revoked
-//   Worker  joined --silent for a lease, or goodbye--> out: its leases end, its artifacts are not counted on any more
+//   Worker  joined --silent for a lease, dead, or goodbye--> out: its leases end, its artifacts are not counted on any
+//   more
 class Scheduler {
  public:
   explicit Scheduler(const SchedulerOptions& options);
@@ -119,10 +120,11 @@ class Scheduler {
   void On(const TaskFailed& event);
   void On(const ArtifactsDropped& event);
   void On(const WorkerLeft& event);
+  void On(const WorkerDied& event);
 
   // The lease of a result, ended; null (and a note) if it is not the worker's any more.
   [[nodiscard]] std::optional<Lease> EndLeaseOf(WorkerId worker, LeaseId lease, const TaskId& task);
-  void RemoveWorker(Worker& worker, const Status* lost);
+  void RemoveWorker(Worker& worker, const Status* lost, const std::vector<LeaseId>& computing = {});
   bool EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running);
   void AddArtifact(WorkerId worker, const ArtifactInfo& artifact, JobId job, const std::string& made_by);
   void LoseArtifacts(const std::vector<ArtifactKey>& keys);
@@ -137,8 +139,9 @@ class Scheduler {
   // The same as GiveBack, and a failure of the task. `died`: with its worker, or its worker was not heard of.
   void FailAttempt(LeaseId id, const Lease& lease, const Status& error, bool died = false);
   void ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease);
-  // The worker is gone with all its leases. `lost`: why, if those that it can have begun failed with it.
-  void EndLeasesOf(const Worker& worker, const Status* lost);
+  // The worker is gone with all its leases. `lost`: why, if those that it was computing failed with it; when these are
+  // not told, those that it can have begun.
+  void EndLeasesOf(const Worker& worker, const Status* lost, const std::vector<LeaseId>& computing = {});
   // Whether the task is tried on a worker that has nothing else: others were lost with it.
   [[nodiscard]] bool IsTriedAlone(const Task& task) const;
 

@@ -86,17 +86,19 @@ void Scheduler::ForgetInputs(JobRecord& job, const TaskFailed& event, const Leas
   LoseArtifacts(lost);
 }
 
-void Scheduler::EndLeasesOf(const Worker& worker, const Status* lost) {
+void Scheduler::EndLeasesOf(const Worker& worker, const Status* lost, const std::vector<LeaseId>& computing) {
   const std::string name = worker.name;
   const int slots = worker.slots;
   std::vector<std::pair<LeaseId, Lease>> ended;
   for (const LeaseId id : worker.leases) ended.emplace_back(id, workers_.leases().at(id));
   for (const auto& [id, lease] : ended) workers_.EndLease(id);
-  // A worker begins its tasks in the order of their leases: those behind its slots can't be what killed it.
-  int computing = 0;
+  // A worker begins its tasks in the order of their leases: those behind its slots can't be what killed it. But the
+  // result of one may not have been sent when it died, so that it had begun the next one.
+  int begun = 0;
   for (const auto& [id, lease] : ended) {
     if (lease.revoked) continue;
-    const bool failed = lost != nullptr && computing++ < slots;
+    const bool on_slot = computing.empty() ? begun++ < slots : std::ranges::find(computing, id) != computing.end();
+    const bool failed = lost != nullptr && on_slot;
     if (failed) {
       const Status reason = lost->WithContext(name);
       AddEnd(id, lease.task, AttemptOutcome::kWorkerLost, reason);

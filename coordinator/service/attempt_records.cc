@@ -34,6 +34,11 @@ void AttemptRecords::Report(WorkerId worker, LeaseId lease, const TaskId& task, 
   attempt.log = std::move(log);
 }
 
+void AttemptRecords::AddLastWords(LeaseId lease, const TaskLog& last_words) {
+  const auto running = running_.find(lease);
+  if (running != running_.end()) jobs_.at(running->second).attempts.at(lease).log = last_words;
+}
+
 TaskStats AttemptRecords::End(const AttemptEnded& end, TimePoint now) {
   const auto running = running_.find(end.lease);
   if (running == running_.end()) return {};

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "common/log/log.h"
+#include "common/text/clean_line.h"
 #include "common/transport/endpoint.h"
 #include "common/transport/farm_keys.h"
 #include "common/wire/bounds.h"
@@ -21,6 +22,7 @@ using std::chrono::milliseconds;
 
 constexpr int kMaxVersionText = 100;
 constexpr std::size_t kMaxLoggedReason = 200;
+constexpr std::size_t kMaxLastLine = 300;      // in the reason of a failed attempt
 constexpr std::size_t kMostKeptJobs = 20'000;  // all are listed in one message
 
 SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint64_t first_lease) {
@@ -43,6 +45,7 @@ bool IsFromWorker(const v1::Envelope& envelope) {
     case v1::Envelope::kTaskFinished:
     case v1::Envelope::kArtifactsDropped:
     case v1::Envelope::kWorkerGoodbye:
+    case v1::Envelope::kWorkerDied:
       return true;
     default:
       return false;
@@ -184,6 +187,10 @@ void Coordinator::HandleFromWorker(const PeerMessage& message, const v1::Envelop
     HandleHello(message, envelope.worker_hello());
     return;
   }
+  if (envelope.has_worker_died()) {
+    HandleDied(message, envelope.worker_died());
+    return;
+  }
   const WorkerSession* session = workers_.FindPeer(message.peer);
   if (session == nullptr || session->user_id != message.user_id) {
     Refuse(message, envelope.request_id(), Unavailable("the coordinator does not know this worker: say hello"));
@@ -271,6 +278,22 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
   welcome.mutable_worker_welcome()->set_lease_ms(static_cast<std::uint32_t>(options_.lease.count()));
   Send(message.peer, std::move(welcome));
   Dispatch(event);
+}
+
+void Coordinator::HandleDied(const PeerMessage& message, const v1::WorkerDied& died) {
+  const WorkerSession* session = workers_.FindName(died.name());
+  // The name may be another process's by now, and nobody may end the workers of others.
+  if (session == nullptr || session->user_id != message.user_id || died.process() == 0 ||
+      session->process != died.process()) {
+    LogDebug("death_of_nobody", {{"user", message.user_id}, {"name", CleanLine(died.name(), kMaxNameBytes)}});
+    return;
+  }
+  std::string how = CleanLine(died.how(), kMaxDeathBytes);
+  const TaskLog last_words = FromProto(died.last_words());
+  if (!last_words.lines.empty()) how += "; its last words: " + CleanLine(last_words.lines.back(), kMaxLastLine);
+  last_words_ = &last_words;
+  Dispatch(WorkerDied{session->id, how, LeasesFromProto(died.computing())});
+  last_words_ = nullptr;
 }
 
 void Coordinator::HandleTaskFinished(WorkerId worker, const v1::TaskFinished& message) {

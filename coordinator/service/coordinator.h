@@ -86,6 +86,7 @@ class Coordinator {
   void HandleFromWorker(const PeerMessage& message, const v1::Envelope& envelope);
   void HandleFromClient(const PeerMessage& message, const v1::Envelope& envelope);
   void HandleHello(const PeerMessage& message, const v1::WorkerHello& hello);
+  void HandleDied(const PeerMessage& message, const v1::WorkerDied& died);
   void HandleTaskFinished(WorkerId worker, const v1::TaskFinished& message);
   [[nodiscard]] Result<v1::Envelope> Answer(const v1::Envelope& request);
   [[nodiscard]] Result<v1::Envelope> Submit(const v1::SubmitJob& request);
@@ -155,6 +156,7 @@ class Coordinator {
   // Of the jobs that ran since the coordinator was started: when each was submitted, what became of its attempts.
   std::map<JobId, TimePoint> submitted_;
   AttemptRecords attempts_;
+  const TaskLog* last_words_ = nullptr;  // of the worker that died, while the scheduler ends its attempts
   MessageRefusals refusals_;
   NotePace note_pace_;
   // Since the start, see FarmMetrics.

@@ -93,6 +93,16 @@ void SimulatedFarm::OnEnd(const Submitter& submitter, const JobEnd& end) {
   CheckFolder(submitter, end, false);
 }
 
+void SimulatedFarm::NoteEndedInChaos() {
+  if (!coordinator_) return;
+  v1::Envelope request;
+  request.mutable_list_jobs();
+  const v1::Envelope list = Call(*coordinator_, request, events_.now());
+  for (const v1::JobStatus& job : list.job_list().jobs()) {
+    if (job.state() != v1::JOB_STATE_RUNNING) ended_in_chaos_.insert(job.job_id());
+  }
+}
+
 void SimulatedFarm::CheckFolder(const Submitter& submitter, const JobEnd& end, bool last_look) {
   const std::string name = submitter.name() + ", job " + std::to_string(end.id) + (last_look ? ", at last" : "");
   if (end.wish.kind.keeps_results || !options_.checks_files) return;  // results: CheckJobList

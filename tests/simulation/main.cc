@@ -40,6 +40,7 @@ void Print(const simulation::Tally& tally) {
   line("tasks duplicated", tally.duplicates);
   line("  with success", tally.duplicates_won);
   line("worker crashes", tally.worker_crashes);
+  line("deaths told", tally.deaths_told);
   line("standstills", tally.standstills);
   line("network cuts", tally.cuts);
   line("stores lost", tally.store_losses);

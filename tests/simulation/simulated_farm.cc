@@ -37,6 +37,14 @@ SimulatedFarm::SimulatedFarm(std::uint64_t seed, const Options& options)
                       ToCoordinator(random_.Chance(50) ? (*worker)->peer() : peer, payload);
                     });
                   },
+              .send_beside =
+                  [this](const std::string& host, std::string payload) {
+                    Trace(kCoordinator, payload);
+                    if (network_.IsCut(host, kCoordinator)) return;
+                    const std::string peer = host + "'s minder";
+                    network_.Send(peer, kCoordinator,
+                                  [this, peer, payload = std::move(payload)] { ToCoordinator(peer, payload); });
+                  },
               .find = [this](const std::string& endpoint) -> const SimulatedWorker* {
                 const auto worker =
                     std::ranges::find(workers_, endpoint, [](const auto& each) { return each->endpoint(); });
@@ -90,6 +98,7 @@ void SimulatedFarm::StartCoordinator() {
   }
   for (const auto& worker : workers_) worker->Reconnect();
   Deliver();
+  if (calm_) NoteEndedInChaos();  // in its life before
 }
 
 void SimulatedFarm::CrashCoordinator(SimulatedDisk::Loss loss) {
@@ -187,7 +196,7 @@ void SimulatedFarm::CrashWorker() {
   if (!worker.alive()) return;
   ++tally_.worker_crashes;
   Narrate(worker.name() + " crashes");
-  worker.Crash();
+  worker.Die();
 }
 
 void SimulatedFarm::HangWorker() {
@@ -248,6 +257,7 @@ void SimulatedFarm::RestartDeadWorkers() {
 void SimulatedFarm::BeCalm() {
   if (calm_) return;
   calm_ = true;
+  NoteEndedInChaos();
   network_.Calm();
   task_faults_ = {};
   disk_.DieAtWrite(0);
@@ -313,6 +323,7 @@ Tally SimulatedFarm::tally() const {
   for (const auto& worker : workers_) {
     tally.attempts += worker->tasks_begun();
     tally.given_back += worker->tasks_given_back();
+    tally.deaths_told += worker->deaths_told();
   }
   tally.duplicates = duplicates_.size();
   tally.messages = network_.num_sent();

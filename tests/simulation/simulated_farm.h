@@ -81,6 +81,8 @@ class SimulatedFarm {
   // farm_checks.cc: what must hold.
   void OnBegun(const SimulatedWorker& worker, LeaseId lease, const TaskSpec& spec);
   void OnEnd(const Submitter& submitter, const JobEnd& end);
+  // The jobs that have ended when things stop going wrong: their submitters may hear of it later.
+  void NoteEndedInChaos();
   void CheckFolder(const Submitter& submitter, const JobEnd& end, bool last_look);
   // Of this life of the coordinator, which ends; `last`: when all is over.
   void CheckAttempts(bool last);

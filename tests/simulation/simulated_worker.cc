@@ -63,6 +63,19 @@ void SimulatedWorker::Crash() {
   hung_until_.reset();
 }
 
+void SimulatedWorker::Die() {
+  if (around_.random.Chance(50)) {
+    ++deaths_told_;
+    std::vector<LeaseId> computing;
+    for (const Running& task : tasks_) {
+      if (task.computing) computing.push_back(task.lease);
+    }
+    const auto process = static_cast<std::uint64_t>(life_);
+    around_.send_beside(name_, SerializeEnvelope(DiedMessage(name_, process, "was killed", {}, computing)));
+  }
+  Crash();
+}
+
 void SimulatedWorker::Hang(Milliseconds time) {
   if (!alive()) return;
   hung_until_ = std::max(hung_until_.value_or(TimePoint()), around_.events.now() + time);
@@ -325,7 +338,7 @@ void SimulatedWorker::Compute(LeaseId lease) {
       task->config->sequence_name == kPoison && (id.kind == TaskKind::kEstimate || id.kind == TaskKind::kRender);
   if (poison) around_.poisoned(id);
   if (poison || around_.random.Chance(around_.faults.runs_out_of_memory)) {
-    Crash();
+    Die();
     return;
   }
   if (MakesFiles(id.kind) && !task->config->keeps_results) (void)StageFiles(*task, 1);

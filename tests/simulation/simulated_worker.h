@@ -50,6 +50,8 @@ struct Surroundings {
   TaskFaults& faults;
   // Sends to the coordinator.
   std::function<void(const std::string& host, const std::string& peer, std::string payload)> send;
+  // The same, on a connection of its own: in whatever order with the others.
+  std::function<void(const std::string& host, std::string payload)> send_beside;
   // The worker whose artifact server that is now; null: nobody's.
   std::function<const SimulatedWorker*(const std::string& endpoint)> find;
   // A task was begun.
@@ -67,6 +69,8 @@ class SimulatedWorker {
   // Starts the process; with the store that its last life left.
   void Start();
   void Crash();
+  // The same; sometimes whoever minds the process is left and tells of it.
+  void Die();
   // As SIGSTOP, for so long.
   void Hang(Milliseconds time);
   void SetSlowness(int factor) { slowness_ = factor; }
@@ -91,6 +95,7 @@ class SimulatedWorker {
   [[nodiscard]] std::string endpoint() const;
   [[nodiscard]] std::uint64_t tasks_begun() const { return tasks_begun_; }
   [[nodiscard]] std::uint64_t tasks_given_back() const { return tasks_given_back_; }  // as they were asked for
+  [[nodiscard]] std::uint64_t deaths_told() const { return deaths_told_; }
 
  private:
   struct Stored {
@@ -164,6 +169,7 @@ class SimulatedWorker {
   std::uint64_t used_ = 0;
   std::uint64_t tasks_begun_ = 0;
   std::uint64_t tasks_given_back_ = 0;
+  std::uint64_t deaths_told_ = 0;
 };
 
 }  // namespace depthfarm::simulation

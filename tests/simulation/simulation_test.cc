@@ -36,6 +36,7 @@ TEST_P(FarmWithFaults, EndsEveryJobWithTheRightBytesAndKeepsNothing) {
   EXPECT_GT(tally.coordinator_crashes, kSeedsOfATest / 2);
   EXPECT_GT(tally.torn_writes, kSeedsOfATest / 10);
   EXPECT_GT(tally.worker_crashes, kSeedsOfATest / 2);
+  EXPECT_GT(tally.deaths_told, kSeedsOfATest / 5);
   EXPECT_GT(tally.late_results, kSeedsOfATest / 10);
   EXPECT_GT(tally.given_back, kSeedsOfATest / 10);
   EXPECT_GT(tally.duplicates, kSeedsOfATest / 10);

@@ -10,6 +10,7 @@ void Tally::Add(const Tally& other) {
   messages += other.messages;
   messages_lost += other.messages_lost;
   worker_crashes += other.worker_crashes;
+  deaths_told += other.deaths_told;
   standstills += other.standstills;
   cuts += other.cuts;
   store_losses += other.store_losses;

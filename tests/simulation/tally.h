@@ -12,6 +12,7 @@ struct Tally {
   std::uint64_t messages = 0;
   std::uint64_t messages_lost = 0;
   std::uint64_t worker_crashes = 0;
+  std::uint64_t deaths_told = 0;  // of workers, by who minds them
   std::uint64_t standstills = 0;
   std::uint64_t cuts = 0;
   std::uint64_t store_losses = 0;

@@ -73,6 +73,18 @@ v1::Envelope GoodbyeMessage() {
   return message;
 }
 
+v1::Envelope DiedMessage(const std::string& name, std::uint64_t process, const std::string& how,
+                         const TaskLog& last_words, const std::vector<LeaseId>& computing) {
+  v1::Envelope message;
+  v1::WorkerDied& died = *message.mutable_worker_died();
+  died.set_name(name);
+  died.set_process(process);
+  died.set_how(how);
+  *died.mutable_last_words() = ToProto(last_words);
+  for (const LeaseId lease : computing) died.add_computing(lease.value());
+  return message;
+}
+
 namespace {
 
 Result<std::vector<ArtifactKey>> KeysFromProto(const char* field,

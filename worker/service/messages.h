@@ -33,6 +33,9 @@ struct WorkerIdentity {
 [[nodiscard]] v1::Envelope FailedMessage(LeaseId lease, const v1::TaskId& task, const Status& status);
 [[nodiscard]] v1::Envelope DroppedMessage(const std::vector<ArtifactKey>& keys);
 [[nodiscard]] v1::Envelope GoodbyeMessage();
+// Of the process of a worker; `how` continues "the worker ".
+[[nodiscard]] v1::Envelope DiedMessage(const std::string& name, std::uint64_t process, const std::string& how,
+                                       const TaskLog& last_words, const std::vector<LeaseId>& computing);
 
 // Coordinator -> worker: 32-byte keys; others are an error.
 [[nodiscard]] Result<std::vector<ArtifactKey>> KeysOf(const v1::ReleaseArtifacts& release);

@@ -146,6 +146,42 @@ TEST(Failures, AWorkerThatWasStartedAnewUnderItsNameHasDied) {
   EXPECT_TRUE(again) << "its artifacts and room are those of the new process";
 }
 
+TEST(Failures, AWorkerWhoseDeathIsToldIsOutAtOnceAndWhatItsSlotsHadFailed) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 2, .gop = 1, .views = 4}));
+  const WorkerId worker = farm.JoinAndAsk(2, 1);
+  farm.Finish(worker);
+  std::vector<LeaseId> leases;
+  for (const auto& [lease, grant] : farm.At(worker).running) leases.push_back(lease);
+  ASSERT_THAT(leases, SizeIs(3));
+  farm.Send(WorkerDied{worker, "was killed by signal 6 (Aborted)", {}});
+  EXPECT_FALSE(farm.scheduler.Knows(worker));
+  EXPECT_EQ(farm.attempts_ended.at(leases[0]).outcome, AttemptOutcome::kWorkerLost);
+  EXPECT_THAT(farm.attempts_ended.at(leases[0]).error.message(),
+              testing::HasSubstr("the worker was killed by signal 6 (Aborted)"));
+  EXPECT_EQ(farm.attempts_ended.at(leases[1]).outcome, AttemptOutcome::kWorkerLost);
+  EXPECT_EQ(farm.attempts_ended.at(leases[2]).outcome, AttemptOutcome::kGivenBack) << "no slot had begun it";
+  EXPECT_EQ(farm.scheduler.Job(JobId(1))->retries, 2U);
+  farm.Send(WorkerDied{worker, "was killed again", {}});
+  EXPECT_EQ(farm.scheduler.Job(JobId(1))->retries, 2U);
+}
+
+TEST(Failures, WhatADeadWorkerWasComputingFailedAndNothingElse) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 2, .gop = 1, .views = 4}));
+  const WorkerId worker = farm.JoinAndAsk(2, 1);
+  farm.Finish(worker);
+  std::vector<LeaseId> leases;
+  for (const auto& [lease, grant] : farm.At(worker).running) leases.push_back(lease);
+  ASSERT_THAT(leases, SizeIs(3));
+  // It had done the first and begun the last, which it could not tell any more.
+  farm.Send(WorkerDied{worker, "was killed", {leases[1], leases[2], LeaseId(12345)}});
+  EXPECT_EQ(farm.attempts_ended.at(leases[0]).outcome, AttemptOutcome::kGivenBack);
+  EXPECT_EQ(farm.attempts_ended.at(leases[1]).outcome, AttemptOutcome::kWorkerLost);
+  EXPECT_EQ(farm.attempts_ended.at(leases[2]).outcome, AttemptOutcome::kWorkerLost);
+  EXPECT_EQ(farm.scheduler.Job(JobId(1))->retries, 2U);
+}
+
 TEST(Failures, OneThatSaysHelloAgainWithoutATaskNeverHadIt) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({}));
