@@ -20,6 +20,8 @@
 #include "common/transport/descriptor_limit.h"
 #include "common/transport/endpoint.h"
 #include "common/wire/bounds.h"
+#include "worker/minding/minder.h"
+#include "worker/service/death_notice.h"
 #include "worker/service/worker_service.h"
 
 namespace depthfarm {
@@ -47,18 +49,16 @@ extern "C" void OnHangup(int) {
   }
 }
 
-// SIGTERM and SIGINT end the worker, also while it still starts. With keys SIGHUP has them read again; without, it ends
-// the program as always. A write to a closed pipe is an error like any other.
-void InstallSignalHandlers(bool has_keys) {
+// Of the process that works: what its minder passes on (minder.h) ends the worker, also while it still starts, or has
+// keys read again. A write to a closed pipe is an error like any other.
+void InstallSignalHandlers() {
   struct sigaction handler {};
   handler.sa_handler = OnSignal;
   sigemptyset(&handler.sa_mask);
-  for (const int signal : {SIGTERM, SIGINT}) sigaction(signal, &handler, nullptr);
-  if (has_keys) {
-    handler.sa_handler = OnHangup;
-    handler.sa_flags = SA_RESTART;  // nothing that a task does is to fail by it
-    sigaction(SIGHUP, &handler, nullptr);
-  }
+  sigaction(MindedStop(), &handler, nullptr);
+  handler.sa_handler = OnHangup;
+  handler.sa_flags = SA_RESTART;  // nothing that a task does is to fail by it
+  sigaction(MindedHangup(), &handler, nullptr);
   signal(SIGPIPE, SIG_IGN);
 }
 
@@ -128,11 +128,11 @@ Status ConfineTo(const WorkerOptions& options) {
   return ConfineFiles(access);
 }
 
+// In the process that works.
 int RunWorker(WorkerOptions options) {
   // Threads that compute come and go: each would keep a heap of its own with all that was freed there. They allocate
   // rarely enough for those of a slot to share one.
   mallopt(M_ARENA_MAX, options.slots);  // NOLINT(concurrency-mt-unsafe): before the first thread
-  InstallSignalHandlers(!options.keys.empty());
   RaiseDescriptorLimit();
   if (options.roots.confined()) {
     const Status confined = ConfineTo(options);
@@ -163,6 +163,31 @@ int RunWorker(WorkerOptions options) {
     std::_Exit(code);
   }
   return code;
+}
+
+// Whether a worker that ends so has said goodbye, or never came.
+bool EndedInOrder(const MindedEnd& end) {
+  return end.signal == 0 &&
+         (end.exit_code == kExitOk || end.exit_code == kExitBadUsage || end.exit_code == kExitNoCoordinator);
+}
+
+// Runs the worker in a process of its own and tells the coordinator if that dies of a task. Ends as the worker did.
+int MindWorker(WorkerOptions options, bool exit_with_parent) {
+  Identify(options);
+  Result<std::unique_ptr<ComputingLeases>> computing = ComputingLeases::Make(options.slots);
+  if (!computing.ok()) return Fail(computing.status(), kExitFailed);
+  options.computing = std::move(computing).value();
+  InstallSignalHandlers();
+  // Without keys SIGHUP ends the program as always.
+  const Result<MindedEnd> end = RunMinded({.hangup = !options.keys.empty(), .end_with_parent = exit_with_parent},
+                                          [&options] { return RunWorker(options); });
+  if (!end.ok()) return Fail(end.status(), kExitFailed);
+  if (!EndedInOrder(*end)) {
+    LogError("worker_died", {{"name", options.name}, {"how", Describe(*end)}});
+    const Status told = SendDeathNotice(options, Describe(*end), end->last_words);
+    if (!told.ok()) LogWarning("death_not_told", {{"reason", told.message()}});
+  }
+  EndLike(*end);
 }
 
 }  // namespace
@@ -244,7 +269,8 @@ int main(int argc, char** argv) {
                  "endpoint for other workers; default: beside the coordinator's ipc socket, else a free tcp port");
   app.add_option("--advertise", options.advertise, "host name or address that other workers reach this one by");
   app.add_option("--log-level", log_level, "debug, info, warning, error or off")->capture_default_str();
-  app.add_flag("--exit-with-parent", options.exit_with_parent, "end when the process that started this one ends");
+  bool exit_with_parent = false;
+  app.add_flag("--exit-with-parent", exit_with_parent, "end when the process that started this one ends");
   app.add_option("--give-up-seconds", give_up_seconds, "end after so long without the coordinator; 0: never")
       ->check(CLI::Range(0.0, 1e9));
   app.add_option(
@@ -273,5 +299,5 @@ int main(int argc, char** argv) {
   const Status level = SetLogLevel(log_level);
   if (!level.ok()) return Fail(level, kExitBadUsage);
   CaptureStandardError();
-  return RunWorker(options);
+  return MindWorker(std::move(options), exit_with_parent);
 }

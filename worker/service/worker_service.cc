@@ -26,7 +26,7 @@ namespace {
 namespace event = lifecycle_event;
 namespace action = lifecycle_action;
 
-constexpr Milliseconds kLongestWait{500};  // between looks at the parent process
+constexpr Milliseconds kLongestWait{500};  // between looks at what the store dropped
 
 TimePoint Now() { return BootTime(); }
 
@@ -35,13 +35,21 @@ std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_strin
 
 }  // namespace
 
+void Identify(WorkerOptions& options) {
+  if (options.name.empty()) options.name = HostName() + ":" + UniqueName();
+  if (options.process == 0)
+    options.process = (std::uint64_t{std::random_device()()} << 32U) | std::random_device()() | 1U;
+}
+
 Result<std::unique_ptr<WorkerService>> WorkerService::Create(const WorkerOptions& options) {
-  std::unique_ptr<WorkerService> service(new WorkerService(options));
+  WorkerOptions identified = options;
+  Identify(identified);
+  std::unique_ptr<WorkerService> service(new WorkerService(identified));
   DEPTHFARM_RETURN_IF_ERROR(service->Open());
   return service;
 }
 
-WorkerService::WorkerService(const WorkerOptions& options) : options_(options), parent_(getppid()) {}
+WorkerService::WorkerService(const WorkerOptions& options) : options_(options) {}
 
 Status WorkerService::Open() {
   DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint coordinator, ParseEndpoint(options_.coordinator));
@@ -51,9 +59,8 @@ Status WorkerService::Open() {
     DEPTHFARM_RETURN_IF_ERROR(context_.Authenticate(keys->allowed_peers));
   }
   DEPTHFARM_RETURN_IF_ERROR(CheckSecurity(coordinator, keys.has_value(), options_.insecure));
-  const std::string unique = UniqueName();
-  identity_.name = options_.name.empty() ? HostName() + ":" + unique : options_.name;
-  identity_.process = (std::uint64_t{std::random_device()()} << 32U) | std::random_device()() | 1U;
+  identity_.name = options_.name;
+  identity_.process = options_.process;
   identity_.software_version = options_.software_version;
   identity_.memory_bytes =
       options_.task_memory_bytes > 0 ? options_.task_memory_bytes : TaskMemory(MachineMemory(), options_.memory_bytes);
@@ -61,7 +68,7 @@ Status WorkerService::Open() {
   identity_.slots = options_.slots;
   identity_.ahead = options_.ahead;
   identity_.artifacts.endpoint =
-      options_.artifact_listen.empty() ? DefaultArtifactEndpoint(coordinator, unique) : options_.artifact_listen;
+      options_.artifact_listen.empty() ? DefaultArtifactEndpoint(coordinator, UniqueName()) : options_.artifact_listen;
   DEPTHFARM_RETURN_IF_ERROR(OpenArtifacts(keys));
 
   ClientOptions channel;
@@ -77,12 +84,14 @@ Status WorkerService::Open() {
   compute_ = std::make_unique<ComputePool>(
       options_.slots,
       [this](int slot, const LeasedTask& task, const std::stop_token& stop) {
+        if (options_.computing) options_.computing->Begin(slot, task.lease);
         LogCollector collector(
             {.lines = kMaxTaskLogLines, .bytes = kMaxTaskLogBytes, .line_bytes = kMaxTaskLogLineBytes});
         TaskOutcome outcome = executors_[static_cast<std::size_t>(slot)]->Execute(
             task.spec, *task.config, stop, [&task] { return !task.term->over(); });
         outcome.status = options_.paths.Explain(outcome.status);
         outcome.log = {collector.TakeLines(), collector.left_out()};
+        if (options_.computing) options_.computing->End(slot);
         return outcome;
       },
       [this](const TaskSpec& spec, const std::stop_token& stop, const std::stop_token& enough) {
@@ -146,7 +155,6 @@ Status WorkerService::Run() {
                              {"held", store_->List().size()}});
   const Channel* const channels[] = {coordinator_.get()};
   while (!exit_.has_value()) {
-    if (options_.exit_with_parent) CheckParent();
     if (stop_requested_.exchange(false)) OnStopSignal();
     if (reread_.exchange(false)) ReadmitPeers();
     DEPTHFARM_RETURN_IF_ERROR(ReceiveAll());
@@ -169,13 +177,6 @@ Milliseconds WorkerService::UntilNextDue() const {
   const TimePoint now = Now();
   const TimePoint due = std::min(lifecycle_->NextDue(), now + kLongestWait);
   return std::max(Milliseconds(0), std::chrono::ceil<Milliseconds>(due - now));
-}
-
-// Not prctl(PR_SET_PDEATHSIG): that signal comes when the thread that started this process ends, not the process.
-void WorkerService::CheckParent() {
-  if (getppid() == parent_) return;
-  LogInfo("parent_gone", {{"parent", parent_}});
-  Handle(event::StopRequested{});
 }
 
 Status WorkerService::ReceiveAll() {

@@ -23,6 +23,7 @@
 #include "worker/execution/task_executor.h"
 #include "worker/lifecycle/lifecycle.h"
 #include "worker/service/compute_pool.h"
+#include "worker/service/computing_leases.h"
 #include "worker/service/messages.h"
 #include "worker/transfer/artifact_client.h"
 #include "worker/transfer/artifact_server.h"
@@ -44,15 +45,19 @@ struct WorkerOptions {
   int ahead = 1;                                       // tasks taken besides, to fetch their inputs meanwhile
   PathMap paths;                                       // where this host has what jobs name
   FileRoots roots;                                     // of this host's folders, where jobs may read and write
-  std::string name;                                    // empty: host:pid:random
+  std::string name;                                    // empty: see Identify
   std::string artifact_listen;                         // empty: DefaultArtifactEndpoint
   std::string advertise;                               // host name for peers; empty: this host's name, or as bound
   int threads = 1;                                     // on which a task is computed, 1 to kMostWorkerThreads
   std::string software_version;
-  bool exit_with_parent = false;        // leave when the process that started this one ends (after the start)
-  Milliseconds stop_grace{0};           // how long Stop lets tasks finish; a second Stop does not
-  std::optional<Milliseconds> give_up;  // leave after so long without the coordinator
+  Milliseconds stop_grace{0};                       // how long Stop lets tasks finish; a second Stop does not
+  std::optional<Milliseconds> give_up;              // leave after so long without the coordinator
+  std::uint64_t process = 0;                        // tells it from others of its name; 0: see Identify
+  std::shared_ptr<ComputingLeases> computing = {};  // kept up to date, if there is one
 };
+
+// Gives the options a name (host:pid:random) and a process, by chance, where they have none.
+void Identify(WorkerOptions& options);
 
 // Fetches inputs from other workers. Not thread-safe: each thread that fetches has its own.
 class PeerFetcher : public ArtifactFetcher {
@@ -101,7 +106,6 @@ class WorkerService {
   void RenewTerms();
   void OnStopSignal();
   void ReportDropped();
-  void CheckParent();
   void ReadmitPeers();
   void Handle(const LifecycleEvent& event);
   void CarryOut(std::vector<LifecycleAction> actions);
@@ -119,7 +123,6 @@ class WorkerService {
   [[nodiscard]] Milliseconds UntilNextDue() const;
 
   const WorkerOptions options_;
-  const int parent_;
   WorkerIdentity identity_;
   std::atomic<bool> stop_requested_ = false;
   std::atomic<bool> reread_ = false;
