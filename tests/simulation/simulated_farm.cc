@@ -28,6 +28,7 @@ SimulatedFarm::SimulatedFarm(std::uint64_t seed, const Options& options)
               .random = random_,
               .network = network_,
               .faults = task_faults_,
+              .tells_deaths = seed % 2 == 0,
               .send =
                   [this](const std::string& host, const std::string& peer, std::string payload) {
                     Trace(kCoordinator, payload);

@@ -64,7 +64,7 @@ void SimulatedWorker::Crash() {
 }
 
 void SimulatedWorker::Die() {
-  if (around_.random.Chance(50)) {
+  if (around_.tells_deaths && around_.random.Chance(50)) {
     ++deaths_told_;
     std::vector<LeaseId> computing;
     for (const Running& task : tasks_) {
