@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "common/files/atomic_file.h"
@@ -70,7 +70,7 @@ Status MakeOwn(const fs::path& folder, std::string& note) {
   }
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder.parent_path().string()));
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-    return Unavailable("cannot make folder " + folder.string() + ": " + std::strerror(errno));
+    return Unavailable("cannot make folder " + folder.string() + ": " + std::generic_category().message(errno));
   return {};
 }
 

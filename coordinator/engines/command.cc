@@ -10,7 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstring>
+#include <system_error>
 #include <utility>
 
 namespace depthfarm {
@@ -21,7 +21,7 @@ using SteadyClock = std::chrono::steady_clock;
 
 constexpr milliseconds kLookInterval{200};  // for a hurry
 
-std::string ErrnoText(int error) { return std::strerror(error); }
+std::string ErrnoText(int error) { return std::generic_category().message(error); }
 
 // When a command that starts now must have ended.
 class Deadline {

@@ -39,9 +39,12 @@ class KeptCache : public testing::Test {
  protected:
   void SetUp() override {
     sequence_ = RenderScene(folder_.path() / "scene");
-    ::setenv("XDG_CACHE_HOME", (folder_ / "user").c_str(), 1);
+    CacheHome(folder_ / "user");
   }
-  void TearDown() override { ::unsetenv("XDG_CACHE_HOME"); }
+  void TearDown() override { ::unsetenv("XDG_CACHE_HOME"); }  // NOLINT(concurrency-mt-unsafe): one thread
+  static void CacheHome(const std::string& folder) {
+    ::setenv("XDG_CACHE_HOME", folder.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  }
 
   Outcome Run(const std::string& output, const Words& options) {
     return RunProgram("depthfarm", Words{"run", sequence_, "-o", folder_ / output, "--workers", "2", "--json"} +
@@ -84,7 +87,7 @@ TEST_F(KeptCache, IsAnotherFolderOnRequest) {
 }
 
 TEST_F(KeptCache, IsDoneWithoutWhereThereCanBeNone) {
-  ::setenv("XDG_CACHE_HOME", "/proc/nothing", 1);
+  CacheHome("/proc/nothing");
   const Outcome run = Run("out", {"--frames", "0:1"});
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_THAT(run.output, AllOf(HasSubstr("nothing is kept for the next run in /proc/nothing/depthfarm/artifacts"),

@@ -83,8 +83,7 @@ TEST_F(OpenKeptCacheOf, AnotherNameIsMadeAsItIsSaid) {
   ASSERT_TRUE(cache.ok());
   EXPECT_EQ(cache->folder, folder_.path() / "a/b");
   EXPECT_TRUE(fs::is_directory(cache->folder));
-  std::ofstream(folder_.path() / "file");
-  EXPECT_EQ(OpenKeptCache((folder_.path() / "file").string()).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(OpenKeptCache(folder_.Write("file", "")).status().code(), ErrorCode::kInvalidArgument);
 }
 
 }  // namespace
