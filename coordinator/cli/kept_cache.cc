@@ -59,7 +59,9 @@ std::string Because(const fs::path& folder, const std::string& reason) {
 Status MakeOwn(const fs::path& folder, std::string& note) {
   struct stat above {};
   const fs::path existing = NearestExisting(folder);
-  if (::stat(existing.c_str(), &above) == 0 && above.st_uid != ::geteuid()) {
+  // Nobody's cache goes into the home of another user (sudo keeps HOME), but it may lie below what is the system's.
+  if (::stat(existing.c_str(), &above) == 0 && above.st_uid != ::geteuid() &&
+      (above.st_uid != 0 || existing == folder)) {
     note = Because(folder, "which belongs to another user");
     return {};
   }

@@ -70,6 +70,26 @@ TEST_F(OpenKeptCacheOf, AFolderOfSomebodyElseIsNone) {
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
+TEST_F(OpenKeptCacheOf, AUserMayBeBelowWhatIsTheSystemsButNotItself) {
+  if (geteuid() != 0) GTEST_SKIP() << "needs root, to be another user";
+  fs::permissions(folder_.path(), fs::perms::all);
+  Name(folder_.path() / "below");
+  ASSERT_EQ(seteuid(12345), 0);
+  const Result<KeptCache> below = OpenKeptCache("");
+  ASSERT_EQ(seteuid(0), 0);
+  ASSERT_TRUE(below.ok());
+  EXPECT_EQ(below->note, "");
+  EXPECT_EQ(below->folder, folder_.path() / "below/depthfarm/artifacts");
+
+  ASSERT_EQ(chown(below->folder.c_str(), 0, 0), 0);
+  ASSERT_EQ(seteuid(12345), 0);
+  const Result<KeptCache> of_root = OpenKeptCache("");
+  ASSERT_EQ(seteuid(0), 0);
+  ASSERT_TRUE(of_root.ok());
+  EXPECT_TRUE(of_root->folder.empty());
+  EXPECT_NE(of_root->note.find("belongs to another user"), std::string::npos) << of_root->note;
+}
+
 TEST_F(OpenKeptCacheOf, WhoHasNoFoldersIsNone) {
   Name("relative");
   const Result<KeptCache> cache = OpenKeptCache("");
