@@ -90,6 +90,15 @@ std::string FormatLogLine(std::string_view event, std::span<const LogField> fiel
   return line;
 }
 
+bool IsRoutineLine(std::string_view line) {
+  constexpr std::string_view kTime = "0000-00-00T00:00:00.000Z ";  // a digit for each 0
+  if (line.size() < kTime.size()) return false;
+  const auto fits = [](char form, char c) { return form == '0' ? c >= '0' && c <= '9' : c == form; };
+  if (!std::equal(kTime.begin(), kTime.end(), line.begin(), fits)) return false;
+  line.remove_prefix(kTime.size());
+  return line.starts_with("info ") || line.starts_with("debug ");
+}
+
 void Log(LogLevel level, std::string_view event, std::span<const LogField> fields) {
   LogCollector* collector = level < LogLevel::kWarning ? nullptr : LogCollector::OfThread();
   if (collector != nullptr)

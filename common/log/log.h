@@ -40,6 +40,9 @@ void LogError(std::string_view event, std::initializer_list<LogField> fields = {
 // quoted, with \", \\, \n, \t and \xNN escapes, so that a line is one line whatever a peer sent.
 [[nodiscard]] std::string FormatLogLine(std::string_view event, std::span<const LogField> fields);
 
+// Whether that is a whole line of Log, of this process or another one, at level debug or info.
+[[nodiscard]] bool IsRoutineLine(std::string_view line);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_COMMON_LOG_LOG_H_

@@ -70,8 +70,7 @@ void LogCollector::Add(std::string_view line) {
 void LogCollector::AddText(std::string_view text) {
   for (std::size_t end = text.find('\n'); end != std::string_view::npos; end = text.find('\n')) {
     begun_ += text.substr(0, end);
-    if (!begun_.empty()) Add(begun_);
-    begun_.clear();
+    EndLine();
     text.remove_prefix(end + 1);
   }
   // What is longer is cut anyhow: a line that never ends takes no more memory.
@@ -79,8 +78,13 @@ void LogCollector::AddText(std::string_view text) {
   begun_ += text.substr(0, room);
 }
 
+void LogCollector::EndLine() {
+  const std::string line = std::exchange(begun_, {});
+  if (!line.empty() && !IsRoutineLine(line)) Add(line);
+}
+
 std::vector<std::string> LogCollector::TakeLines() {
-  if (!begun_.empty()) Add(std::exchange(begun_, {}));
+  EndLine();
   std::vector<std::string> lines(std::make_move_iterator(lines_.begin()), std::make_move_iterator(lines_.end()));
   lines_.clear();
   bytes_ = 0;

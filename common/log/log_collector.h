@@ -34,10 +34,14 @@ class LogCollector {
   // That of the calling thread; null when there is none.
   [[nodiscard]] static LogCollector* OfThread();
   void Add(std::string_view line);
-  // A piece of what was written to stderr: lines end with '\n'.
+  // A piece of what was written to stderr: lines end with '\n'. Routine lines of Log (IsRoutineLine), as another
+  // process writes them, are passed over.
   void AddText(std::string_view text);
 
  private:
+  // The line that was begun has ended.
+  void EndLine();
+
   const Bounds bounds_;
   std::deque<std::string> lines_;
   std::size_t bytes_ = 0;

@@ -9,9 +9,10 @@ namespace depthfarm {
 
 // How a process ended that was minded.
 struct MindedEnd {
-  int exit_code = 0;   // valid when signal == 0
-  int signal = 0;      // that killed it, 0: it exited
-  TaskLog last_words;  // the end of what it wrote to stderr, within the bounds of a task's log
+  int exit_code = 0;  // valid when signal == 0
+  int signal = 0;     // that killed it, 0: it exited
+  TaskLog
+      last_words;  // the end of what it wrote to stderr but routine (LogCollector::AddText), bounded as a task's log
 };
 
 // "was killed by signal 6 (Aborted)", "exited with code 1".

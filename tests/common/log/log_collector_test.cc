@@ -60,6 +60,14 @@ TEST(LogCollector, CutsTextIntoLines) {
   EXPECT_THAT(collector.TakeLines(), ElementsAre("libpng error: Read", "warning: x?", "without an end wi..."));
 }
 
+TEST(LogCollector, PassesOverRoutineLinesOfAnotherProcess) {
+  LogCollector collector({});
+  collector.AddText("2026-01-02T03:04:05.678Z info task_started\nterminate called\n2026-01-02T03:04:0");
+  collector.AddText("5.678Z debug x\n2026-01-02T03:04:05.678Z error y\n2026-01-02T03:04:05.678Z info no end");
+  EXPECT_THAT(collector.TakeLines(), ElementsAre("terminate called", "2026-01-02T03:04:05.678Z error y"));
+  EXPECT_EQ(collector.left_out(), 0U);
+}
+
 TEST(CaptureStandardError, CollectsWhatLibrariesWriteInTheThread) {
   testing::internal::CaptureStderr();
   CaptureStandardError();

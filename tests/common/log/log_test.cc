@@ -27,6 +27,26 @@ TEST(LogLine, StaysOneLineWhateverAPeerSent) {
   EXPECT_EQ(Line("e", {{"name", std::string("a\"b\\c\nd\x1b[31m")}}), R"(e name="a\"b\\c\nd\x1b[31m")");
 }
 
+TEST(IsRoutineLine, TellsDebugAndInfoOfALogFromAllElse) {
+  EXPECT_TRUE(IsRoutineLine("2026-01-02T03:04:05.678Z info task_granted job=12"));
+  EXPECT_TRUE(IsRoutineLine("2026-01-02T03:04:05.678Z debug x"));
+  for (const char* line : {"", "2026-01-02T03:04:05.678Z ", "2026-01-02T03:04:05.678Z warning worker_lost",
+                           "2026-01-02T03:04:05.678Z error worker_died", "2026-01-02 03:04:05.678Z info x", "info x",
+                           "terminate called after throwing an instance of 'std::bad_alloc'"})
+    EXPECT_FALSE(IsRoutineLine(line)) << line;
+}
+
+TEST(IsRoutineLine, KnowsWhatLogWrites) {
+  ASSERT_TRUE(SetLogLevel("debug").ok());
+  for (const LogLevel level : {LogLevel::kDebug, LogLevel::kInfo, LogLevel::kWarning, LogLevel::kError}) {
+    testing::internal::CaptureStderr();
+    Log(level, "event", {});
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(IsRoutineLine(text), level < LogLevel::kWarning) << text;
+  }
+  ASSERT_TRUE(SetLogLevel("info").ok());
+}
+
 TEST(LogLevel, UnknownNamesAreRefusedWithTheList) {
   const Status status = SetLogLevel("loud");
   EXPECT_EQ(status.code(), ErrorCode::kInvalidArgument);
