@@ -12,6 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/base/thread_budget.h"
+
 namespace depthfarm {
 
 namespace parallel_internal {
@@ -28,14 +30,15 @@ inline double CpuSecondsOfThread() {
 // them.
 inline double SecondsOfHelpers() { return parallel_internal::seconds_of_helpers; }
 
-// Calls function(i) for each i in [0, count), on up to `threads` threads, this one among them; returns when all have
-// ended. The calls must not depend on each other; which thread makes which is open. The first exception is thrown here,
-// after the others have ended; calls that have not begun by then are left out. On one thread it is a plain loop. Where
-// the system has no thread left it makes do with those it got.
+// Calls function(i) for each i in [0, count), on up to `threads` threads, this one among them and of the others as many
+// as a ThreadBudget leaves it; returns when all have ended. The calls must not depend on each other; which thread makes
+// which is open. The first exception is thrown here, after the others have ended; calls that have not begun by then are
+// left out. On one thread it is a plain loop. Where the system has no thread left it makes do with those it got.
 template <typename Function>
 void ParallelFor(std::size_t count, int threads, const Function& function) {
-  const std::size_t most = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
-  if (most <= 1) {
+  const std::size_t most = std::min(std::max<std::size_t>(count, 1), static_cast<std::size_t>(std::max(threads, 1)));
+  const ThreadBudget::Helpers budget(static_cast<int>(most) - 1);
+  if (budget.count() == 0) {
     for (std::size_t i = 0; i < count; ++i) function(i);
     return;
   }
@@ -55,15 +58,16 @@ void ParallelFor(std::size_t count, int threads, const Function& function) {
   };
   double seconds = 0;
   const auto help = [&] {
+    budget.Enter();
     work();
     const std::scoped_lock lock(mutex);
     seconds += parallel_internal::CpuSecondsOfThread() + SecondsOfHelpers();
   };
   {
     std::vector<std::jthread> helpers;
-    helpers.reserve(most - 1);
+    helpers.reserve(static_cast<std::size_t>(budget.count()));
     try {
-      for (std::size_t i = 1; i < most; ++i) helpers.emplace_back(help);
+      for (int i = 0; i < budget.count(); ++i) helpers.emplace_back(help);
     } catch (const std::system_error&) {  // the work is done all the same
     }
     work();
