@@ -15,7 +15,8 @@ int DistanceFromInterval(Level alpha, Level a, Level b) {
   return alpha > high ? alpha - high : 0;
 }
 
-constexpr int kMostBands = 64;
+constexpr int kMostThreads = 64;
+constexpr int kPartsOfThread = 4;  // a level's work lies in few bands; more have more to end across them, on one thread
 
 }  // namespace
 
@@ -23,14 +24,15 @@ Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels
     : problem_(problem),
       labels_(labels),
       width_(static_cast<std::size_t>(std::max(problem.matches_per_node, 1))),
-      threads_(std::clamp(threads, 1, kMostBands)),
+      threads_(std::clamp(threads, 1, kMostThreads)),
       held_(problem.num_nodes * width_),
       moves_(problem.num_nodes, 0),
       gathered_(problem.num_nodes, 0),
       in_graph_(problem.num_nodes) {
   const auto is_free = [&](NodeIndex node) { return problem.fixed[node] == 0; };
-  if (threads_ > 1) part_of_ = BandsOf(problem, threads_);
-  parts_.resize(static_cast<std::size_t>(threads_));
+  const int num_parts = threads_ > 1 ? threads_ * kPartsOfThread : 1;
+  if (num_parts > 1) part_of_ = BandsOf(problem, num_parts);
+  parts_.resize(static_cast<std::size_t>(num_parts));
   for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].index = i;
   ForParts([&](Part& part) {
     for (NodeIndex node = 0; node < problem.num_nodes; ++node) {

@@ -27,9 +27,9 @@ namespace depthfarm {
 // Of all labellings of least energy in a move the one that changes fewest nodes is taken (the canonical cut), so the
 // result is a function of the problem alone. The graph holds the movers alone, and a move's work grows with them.
 //
-// On several threads (1 to 64) the nodes are cut into as many bands (BandsOf), and each thread gathers, builds and cuts
-// one of them; then one thread ends the cut across bands (MaxFlow). Labels are the same on any number of threads. Not
-// thread-safe.
+// On several threads (1 to 64) the nodes are cut into a few times as many bands (BandsOf), which are gathered, built
+// and cut side by side; then one thread ends the cut across bands (MaxFlow). Labels are the same on any number of
+// threads. Not thread-safe.
 class Expansion {
  public:
   // `labels` holds the start (fixed nodes: their labels); free nodes must hold levels of the problem. Both must outlive

@@ -4,16 +4,19 @@
 #include <cstddef>
 #include <span>
 
+#include "common/base/thread_budget.h"
 #include "worker/optimization/expansion.h"
 
 namespace depthfarm {
 namespace {
 
-// Of `threads` those that get enough nodes to be worth their start, often.
+// Of `threads` those that are idle and get enough nodes to be worth their start, often: to be ready for more costs time
+// where they do not come.
 int WorthStarting(const LabellingProblem& problem, int threads) {
   constexpr std::ptrdiff_t kNodesOfThread = 4096;
   const std::ptrdiff_t num_free = std::count(problem.fixed.begin(), problem.fixed.end(), 0);
-  return static_cast<int>(std::clamp<std::ptrdiff_t>(num_free / kNodesOfThread, 1, std::max(threads, 1)));
+  const std::ptrdiff_t most = ThreadBudget::IdleForThisThread(std::max(threads, 1) - 1) + 1;
+  return static_cast<int>(std::clamp<std::ptrdiff_t>(num_free / kNodesOfThread, 1, most));
 }
 
 }  // namespace
