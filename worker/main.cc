@@ -260,7 +260,9 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_option("--tags", options.tags, "what this worker has, for jobs submitted with --require, e.g. fast,room2")
       ->delimiter(',');
-  app.add_option("--threads", options.threads, "threads that compute a task; results are the same for any number")
+  app.add_option("--threads", options.threads,
+                 "threads that the slots share, at least one each: a task takes those that would be idle; results are "
+                 "the same for any number")
       ->type_name("N")
       ->check(CLI::Range(1, kMostWorkerThreads))
       ->capture_default_str();

@@ -31,7 +31,7 @@ struct ClusterOptions {
   EngineKind engine = EngineKind::kLocal;
   WorkerRange workers;
   int slots = 1;
-  int threads = 1;
+  int threads = 1;                        // of each worker, as PilotSpec
   std::uint64_t worker_memory_bytes = 0;  // 0: what the machine has
   std::string worker_program;             // as its machines find it; empty: beside this program
   std::string cache_dir;                  // empty: a temporary one for each worker

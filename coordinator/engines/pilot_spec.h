@@ -17,7 +17,7 @@ struct PilotSpec {
   std::string keys_dir = {};        // as the workers see it; empty: no CURVE
   bool insecure = false;
   int slots = 1;
-  int threads = 1;
+  int threads = 1;                 // that the slots share; one for each where that is more
   std::uint64_t memory_bytes = 0;  // of the whole worker; 0: what the machine has
   std::string cache_dir = {};      // empty: a temporary one
   std::string cache_size = {};     // empty: the worker's default

@@ -85,7 +85,7 @@ std::string SlurmScript(const SlurmOptions& options, const PilotSpec& spec, cons
   const auto ask = [&script](const std::string& option) { script += "#SBATCH " + option + "\n"; };
   ask("--job-name=" + job_name);
   ask("--ntasks=1");
-  ask("--cpus-per-task=" + std::to_string(spec.slots * spec.threads));
+  ask("--cpus-per-task=" + std::to_string(std::max(spec.slots, spec.threads)));
   if (spec.memory_bytes > 0) ask("--mem=" + std::to_string(spec.memory_bytes >> 20) + "M");
   if (!options.partition.empty()) ask("--partition=" + options.partition);
   if (!options.time.empty()) ask("--time=" + options.time);

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/base/thread_budget.h"
 #include "coordinator/scheduling/scheduler.h"
 #include "worker/artifacts/memory_cache.h"
 #include "worker/artifacts/store.h"
@@ -42,12 +43,13 @@ struct Ended {
   TaskOutcome outcome;
 };
 
-// Threads that compute tasks, one each.
+// Threads that compute tasks, one each; a task takes those that have none.
 class Slots {
  public:
-  Slots(ArtifactStore& store, MemoryCache& cache, const JobConfig& config, int count) : config_(config) {
+  Slots(ArtifactStore& store, MemoryCache& cache, const JobConfig& config, int count)
+      : config_(config), budget_(count) {
     for (int i = 0; i < count; ++i) {
-      executors_.push_back(std::make_unique<TaskExecutor>(store, cache, no_peers_));
+      executors_.push_back(std::make_unique<TaskExecutor>(store, cache, no_peers_, count));
       threads_.emplace_back(
           [this, executor = executors_.back().get()](const std::stop_token& stop) { Work(*executor, stop); });
     }
@@ -104,7 +106,7 @@ class Slots {
       waiting_.pop_front();
       const std::stop_token stop_task = stops_.at(task.lease).get_token();
       lock.unlock();
-      TaskOutcome outcome = executor.Execute(task.spec, config_, stop_task);
+      TaskOutcome outcome = Compute(executor, task.spec, stop_task);
       lock.lock();
       stops_.erase(task.lease);
       ended_.push_back({task.lease, task.spec.id, std::move(outcome)});
@@ -112,7 +114,13 @@ class Slots {
     }
   }
 
+  TaskOutcome Compute(TaskExecutor& executor, const TaskSpec& spec, const std::stop_token& stop) {
+    const ThreadBudget::Task of_budget(budget_);
+    return executor.Execute(spec, config_, stop);
+  }
+
   const JobConfig& config_;
+  ThreadBudget budget_;
   NoPeers no_peers_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

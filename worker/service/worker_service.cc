@@ -30,6 +30,8 @@ constexpr Milliseconds kLongestWait{500};  // between looks at what the store dr
 
 TimePoint Now() { return BootTime(); }
 
+int ThreadsOf(const WorkerOptions& options) { return std::max(options.threads, options.slots); }
+
 // Tells apart the workers of one host, and those of containers that share a host name and number their processes alike.
 std::string UniqueName() { return std::to_string(getpid()) + "-" + std::to_string(std::random_device()()); }
 
@@ -49,7 +51,7 @@ Result<std::unique_ptr<WorkerService>> WorkerService::Create(const WorkerOptions
   return service;
 }
 
-WorkerService::WorkerService(const WorkerOptions& options) : options_(options) {}
+WorkerService::WorkerService(const WorkerOptions& options) : options_(options), threads_(ThreadsOf(options)) {}
 
 Status WorkerService::Open() {
   DEPTHFARM_ASSIGN_OR_RETURN(const Endpoint coordinator, ParseEndpoint(options_.coordinator));
@@ -84,6 +86,7 @@ Status WorkerService::Open() {
   compute_ = std::make_unique<ComputePool>(
       options_.slots,
       [this](int slot, const LeasedTask& task, const std::stop_token& stop) {
+        const ThreadBudget::Task of_budget(threads_);
         if (options_.computing) options_.computing->Begin(slot, task.lease);
         LogCollector collector(
             {.lines = kMaxTaskLogLines, .bytes = kMaxTaskLogBytes, .line_bytes = kMaxTaskLogLineBytes});
@@ -122,7 +125,7 @@ Status WorkerService::OpenArtifacts(const std::optional<WorkerKeys>& keys) {
   }
   for (int slot = 0; slot < options_.slots; ++slot) {
     executors_.push_back(std::make_unique<TaskExecutor>(*store_, *cache_, *fetchers_[static_cast<std::size_t>(slot)],
-                                                        options_.threads, options_.roots));
+                                                        ThreadsOf(options_), options_.roots));
   }
   return {};
 }

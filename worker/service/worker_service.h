@@ -12,6 +12,7 @@
 
 #include "common/base/machine_memory.h"
 #include "common/base/status.h"
+#include "common/base/thread_budget.h"
 #include "common/files/file_roots.h"
 #include "common/files/path_map.h"
 #include "common/transport/client_channel.h"
@@ -30,7 +31,7 @@
 
 namespace depthfarm {
 
-inline constexpr int kMostWorkerThreads = 256;  // of a worker, for a task
+inline constexpr int kMostWorkerThreads = 256;  // that may be asked for
 
 struct WorkerOptions {
   std::string coordinator;     // endpoint
@@ -48,7 +49,7 @@ struct WorkerOptions {
   std::string name;                                    // empty: see Identify
   std::string artifact_listen;                         // empty: DefaultArtifactEndpoint
   std::string advertise;                               // host name for peers; empty: this host's name, or as bound
-  int threads = 1;                                     // on which a task is computed, 1 to kMostWorkerThreads
+  int threads = 1;                                     // that its tasks share; one for each slot where that is more
   std::string software_version;
   Milliseconds stop_grace{0};                       // how long Stop lets tasks finish; a second Stop does not
   std::optional<Milliseconds> give_up;              // leave after so long without the coordinator
@@ -123,6 +124,7 @@ class WorkerService {
   [[nodiscard]] Milliseconds UntilNextDue() const;
 
   const WorkerOptions options_;
+  ThreadBudget threads_;  // of what computes
   WorkerIdentity identity_;
   std::atomic<bool> stop_requested_ = false;
   std::atomic<bool> reread_ = false;

@@ -33,11 +33,13 @@ TEST(SlurmScript, AsksForWhatAWorkerTakes) {
                                          spec, "depthfarm-render-1x2");
   EXPECT_THAT(script, StartsWith("#!/bin/sh\n#SBATCH "));
   for (const char* line :
-       {"--job-name=depthfarm-render-1x2", "--ntasks=1", "--cpus-per-task=8", "--mem=8192M", "--partition=render",
+       {"--job-name=depthfarm-render-1x2", "--ntasks=1", "--cpus-per-task=4", "--mem=8192M", "--partition=render",
         "--time=8:00:00", "--account=ftv", "--qos=low", "--constraint=avx2", "--requeue", "--open-mode=append",
         "--signal=B:TERM@120", "--output=/home/anna/log/worker-%A_%a.log"}) {
     EXPECT_THAT(script, HasSubstr(std::string("#SBATCH ") + line + "\n"));
   }
+  spec.threads = 6;  // shared by the slots
+  EXPECT_THAT(SlurmScript({}, spec, "wide"), HasSubstr("#SBATCH --cpus-per-task=6\n"));
   // The worker takes the shell's place, or Slurm's signals would not reach it; each restart has a name of its own.
   EXPECT_THAT(script, HasSubstr("\nexec '/opt/depth farm/depthfarm-worker' --coordinator tcp://head:7700 "));
   EXPECT_THAT(script, HasSubstr(" --stop-grace 100 "));
