@@ -29,8 +29,9 @@ struct EngineArguments {
 };
 
 struct LocalFarmArguments {
-  int workers = 0;             // 0: one per core
-  int threads = 1;             // of each worker
+  int workers = 0;             // 0: see ShapeOfFarm
+  int slots = 0;               // of each worker; 0: same
+  int threads = 1;             // that they share
   std::string worker_log_dir;  // empty: the private temporary folder
   std::string log_level = "info";
   std::string cache_dir;   // shared by the workers and kept; empty: the private temporary folder

@@ -97,9 +97,16 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
   const char* group = "Local farm";
   AddWorkerRange(
       app, arguments.engine.workers,
-      "Worker processes; default: one per core. Of another engine also bounds, as many as there is work for");
+      "Worker processes; default: as many as give each core a slot. Of another engine also bounds, as many as there is "
+      "work for");
   AddThreads(app, arguments.farm.threads)->group(kWorkersGroup);
   AddEngine(app, arguments.engine, "--slurm-partition");
+  app.get_option("--slots")
+      ->description(
+          "Tasks that each worker computes at a time; default: one, or on this machine, where --workers is not named, "
+          "up to four")
+      ->default_str("")
+      ->each([&arguments](const std::string& slots) { arguments.farm.slots = std::stoi(slots); });
   CLI::Option* cache_dir = app.get_option("--cache-dir");
   cache_dir->description(
       "Folder of the artifacts, shared by the workers and kept: a run that was interrupted, or one with more frames "
@@ -125,7 +132,7 @@ void DefineRun(CLI::App& app, CommandArguments& storage) {
       "Starts a coordinator and workers on this machine, waits for the job, writes DIR/run.json (times, memory) and\n"
       "stops everything. Ctrl-C cancels and cleans up; the same command then goes on where it was. The depth is the "
       "same\n"
-      "bytes whatever --workers and --threads are.\n"
+      "bytes whatever --workers, --slots and --threads are.\n"
       "With --engine it brings a cluster up for the job and takes it down after it: depthfarm cluster up --help.\n"
       "Examples:\n"
       "  depthfarm run ballet/cameras.json -o out\n"

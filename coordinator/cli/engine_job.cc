@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -58,7 +59,8 @@ Result<LocalJob> RunOnEngine(const JobRequest& request, const EngineArguments& a
   LocalJob result;
   result.started = FormatUtc(std::chrono::system_clock::now());
   result.workers = options.workers.max;
-  result.threads = threads;
+  result.slots = options.slots;
+  result.threads = std::max(options.slots, threads);
   std::cerr << DescribeJob(request.resolved) << "; up to " << result.workers << " workers\n";
 
   DEPTHFARM_ASSIGN_OR_RETURN(const ClusterFolder folder, ClusterFolder::Make(options.state_dir));

@@ -50,9 +50,11 @@ Status CheckNoEngineOptions(const EngineArguments& arguments) {
   ClusterOptions options = arguments.options;
   options.cache_dir.clear();
   options.cache_size.clear();
+  options.slots = ClusterOptions().slots;
   if (options == ClusterOptions() && arguments.state_dir.empty()) return {};
   return InvalidArgument(
-      "options of an engine or of its workers, such as --slurm-partition, --hosts or --slots, need --engine slurm or "
+      "options of an engine or of its workers, such as --slurm-partition, --hosts or --path-map, need --engine slurm "
+      "or "
       "--engine ssh");
 }
 

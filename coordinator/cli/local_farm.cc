@@ -70,6 +70,8 @@ Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
                                         endpoint_,
                                         "--cache-dir",
                                         options_.cache_dir.string(),
+                                        "--slots",
+                                        std::to_string(options_.slots),
                                         "--threads",
                                         std::to_string(options_.threads),
                                         "--exit-with-parent",

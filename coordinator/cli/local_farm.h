@@ -15,7 +15,8 @@ namespace depthfarm {
 
 struct LocalFarmOptions {
   int workers = 1;
-  int threads = 1;                // of each worker
+  int slots = 1;                  // of each worker
+  int threads = 1;                // that they share
   std::filesystem::path log_dir;  // empty: in the private folder, gone with it
   std::string log_level = "info";
   std::filesystem::path cache_dir;      // shared by the workers and kept; empty: in the private folder, gone with it

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "common/base/machine_memory.h"
 #include "common/text/utc_time.h"
 #include "coordinator/cli/exit_codes.h"
+#include "coordinator/cli/farm_shape.h"
 #include "coordinator/cli/interruption.h"
 #include "coordinator/cli/job_on_farm.h"
 #include "coordinator/cli/local_farm.h"
@@ -19,10 +21,12 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-int WorkerCount(int asked) {
-  if (asked > 0) return asked;
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+std::string Describe(const FarmShape& shape) {
+  const std::string workers = std::to_string(shape.workers) + (shape.workers == 1 ? " worker" : " workers");
+  return shape.slots == 1 ? workers : workers + " of " + std::to_string(shape.slots) + " slots";
 }
+
+int Cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 }  // namespace
 
@@ -30,11 +34,14 @@ Result<LocalJob> RunLocally(const JobRequest& request, const LocalFarmArguments&
   const auto start = SteadyClock::now();
   LocalJob result;
   result.started = FormatUtc(std::chrono::system_clock::now());
-  result.workers = WorkerCount(arguments.workers);
-  result.threads = arguments.threads;
-  std::cerr << DescribeJob(request.resolved) << "; " << result.workers << " workers\n";
+  const FarmShape shape = ShapeOfFarm(arguments.workers, arguments.slots, Cores());
+  result.workers = shape.workers;
+  result.slots = shape.slots;
+  result.threads = std::max(shape.slots, arguments.threads);
+  std::cerr << DescribeJob(request.resolved) << "; " << Describe(shape) << "\n";
   const std::uint64_t task_memory = TaskMemory(MachineMemory(), kUsualCacheBytes, result.workers);
   DEPTHFARM_ASSIGN_OR_RETURN(std::unique_ptr<LocalFarm> farm, LocalFarm::Start({.workers = result.workers,
+                                                                                .slots = shape.slots,
                                                                                 .threads = arguments.threads,
                                                                                 .log_dir = arguments.worker_log_dir,
                                                                                 .log_level = arguments.log_level,

@@ -16,7 +16,8 @@ struct LocalJob {
   std::string started;      // UTC, ISO 8601
   double wall_seconds = 0;  // with starting and stopping the farm
   int workers = 0;          // at most
-  int threads = 1;          // of each worker
+  int slots = 1;            // of each worker
+  int threads = 1;          // that they share
   int respawns = 0;
   std::string log_tails;  // where it failed for another reason than its input: the ends of the farm's logs
 };

@@ -20,7 +20,10 @@ CLI::Validator SizeWithoutMinus() {
 void AddJsonFlag(CLI::App& app, bool& json) { app.add_flag("--json", json, "Print JSON for programs"); }
 
 CLI::Option* AddThreads(CLI::App& app, int& threads) {
-  return app.add_option("--threads", threads, "Threads of each worker: a frame ends sooner, its depth is the same")
+  return app
+      .add_option("--threads", threads,
+                  "Threads of each worker, that its slots share, at least one each: a task takes those that would be "
+                  "idle, so that a frame ends sooner; its depth is the same")
       ->type_name("T")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();

@@ -27,6 +27,7 @@ nlohmann::ordered_json RunJson(const JobRequest& request, const LocalJob& job) {
   json["started"] = job.started;
   json["wallSeconds"] = job.wall_seconds;
   json["workers"] = job.workers;
+  json["slots"] = job.slots;
   json["threads"] = job.threads;
   json["respawns"] = job.respawns;
   return json;

@@ -101,6 +101,8 @@ TEST_F(Determinism, AnyNumberOfThreadsGivesTheSameBytes) {
   const auto one = Run(1, {"--threads", "1"}, job);
   EXPECT_THAT(Differences(one, Run(1, {"--threads", "3"}, job)), IsEmpty());
   EXPECT_THAT(Differences(one, Run(2, {"--threads", "2"}, job)), IsEmpty());
+  EXPECT_THAT(Differences(one, Run(1, {"--slots", "2"}, job)), IsEmpty());
+  EXPECT_THAT(Differences(one, Run(1, {"--slots", "2", "--threads", "5"}, job)), IsEmpty());
 }
 
 TEST_F(Determinism, OneBlockIsOneBlockInEitherPartition) {

@@ -45,6 +45,10 @@ TEST(CommandLine, RunKeepsEstimationOptionsInTheirWords) {
   EXPECT_EQ(run.engine.workers, "3");
   EXPECT_EQ(run.farm.threads, 1);
   EXPECT_EQ(Parsed<RunArguments>({"run", "array.json", "-o", "out", "--threads", "4"}).farm.threads, 4);
+  EXPECT_EQ(run.farm.slots, 0);
+  const auto slots = Parsed<RunArguments>({"run", "array.json", "-o", "out", "--slots", "4"});
+  EXPECT_EQ(slots.farm.slots, 4);
+  EXPECT_EQ(slots.engine.options.slots, 4);
   EXPECT_TRUE(run.json);
   const EstimationArguments expected = {
       .preset = "paper", .params_file = "p.json", .values = {{"levels", "auto"}, {"frames", "0:5"}}};
