@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "common/job/level_partition.h"
+#include "common/media/picture_reader.h"
+#include "common/sequence/read_sequence.h"
 
 namespace depthfarm::benchmarks {
 namespace {
@@ -31,7 +33,24 @@ MeasuredFrame::Block MeasuredFrame::BlockOf(std::vector<Level> levels) const {
   return block;
 }
 
+namespace {
+
+test::RenderedSequence FirstFrameOf(const std::string& file) {
+  test::RenderedSequence read;
+  read.sequence = ReadSequence(file).value();
+  std::erase_if(read.sequence.cameras, [](const SequenceCamera& camera) { return camera.images.empty(); });
+  read.pictures.emplace_back();
+  for (const SequenceCamera& camera : read.sequence.cameras) {
+    read.pictures.back().push_back(
+        ReadPicture(camera.images.front(), camera.format, camera.camera.width, camera.camera.height, 1).value());
+  }
+  return read;
+}
+
+}  // namespace
+
 const test::RenderedSequence& MeasuredFrames::Rendered() {
+  if (!rendered_ && !workload_.sequence.empty()) rendered_ = FirstFrameOf(workload_.sequence);
   if (!rendered_) {
     rendered_ = test::Render(ArrayKind::kArc, workload_.views, workload_.width, workload_.height, 1, kSeed, kNoise);
   }

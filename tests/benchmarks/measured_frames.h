@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/job/resolved_job.h"
@@ -13,13 +14,14 @@
 
 namespace depthfarm::benchmarks {
 
-// What is measured: a frame of the project's own arc scene, cut in different ways.
+// What is measured: a frame of the project's own arc scene, or the first one of a sequence, cut in different ways.
 struct Workload {
+  std::string sequence = {};  // its file; empty: the scene, of the next three
   int views = 5;
   int width = 1920;
   int height = 1080;
   int snic_segments = 103'680;                      // one per 20 pixels of 1920x1080
-  std::vector<int> flow_segments{50'000, 100'000};  // of each view, for graphs of moves
+  std::vector<int> flow_segments{50'000, 100'000};  // of each view, for graphs of moves; 0: as many as the job chooses
   int paper_segments = 20'000;                      // of each view, for searches of the paper's energy
   int paper_levels = 250;
 };

@@ -16,7 +16,7 @@ int DistanceFromInterval(Level alpha, Level a, Level b) {
 }
 
 constexpr int kMostThreads = 64;
-constexpr int kPartsOfThread = 4;  // a level's work lies in few bands; more have more to end across them, on one thread
+constexpr int kPartsOfThread = 2;  // a level's work lies in few bands; more have more to end across them, on one thread
 
 }  // namespace
 

@@ -9,23 +9,23 @@
 
 namespace depthfarm {
 
-// Minimum s-t cut by augmenting paths from a search tree of the source that is mended after each of them (as one of the
-// two trees of Boykov and Kolmogorov, "An experimental comparison of min-cut/max-flow algorithms", PAMI 2004), on flat
-// index arrays that are reused from one problem to the next, a node's arcs side by side.
+// Minimum s-t cut by pushing: all that the source can give is pushed towards the sink at once, arc by arc, over the
+// shortest ways, whose lengths are found anew from time to time (Goldberg and Tarjan, "A new approach to the
+// maximum-flow problem", JACM 1988; Cherkassky and Goldberg, "On implementing the push-relabel method for the maximum
+// flow problem", Algorithmica 1997), on flat index arrays that are reused from one problem to the next, a node's arcs
+// side by side.
 //
-// There is no tree of the sink: in an expansion move nearly all nodes have a capacity to it themselves, so that a path
-// ends as soon as it leaves the source tree, and most nodes are never looked at.
+// In an expansion move nearly all nodes have a capacity to the sink themselves, so that what is pushed rarely goes far:
+// ways are only looked for where there is something to push, and end where they meet such a node. Where they do not,
+// as on large surfaces without texture, augmenting paths would be many and long, and bring little each.
 //
-// The cut is canonical: the source side is exactly the set of nodes reachable from the source in the residual graph,
-// the smallest of all minimum cuts, whatever the order of the edges. (When the search ends, nothing can grow: every
-// residual arc out of the source tree stays inside it, so the tree is that set.) Work: worst case pseudo-polynomial;
-// near linear on the graphs of expansion moves. Not thread-safe.
+// The cut is canonical: the source side is exactly the set of nodes reachable from the source in the residual graph of
+// a maximum flow, the smallest of all minimum cuts, whatever the order of the edges. So what does not reach the sink is
+// pushed back to where it came from. Work: O(n^3); near linear on the graphs of expansion moves. Not thread-safe.
 //
 // In parts: the nodes are cut into ranges, each of which is solved without the arcs that leave it, so that threads can
-// do this side by side; then one search goes on over all arcs from the trees of the parts (Liu and Sun, "Parallel
-// graph-cuts by adaptive bottom-up merging", CVPR 2010). A flow of a part is a flow of the whole, so that the cut is
-// the same for any parts. What is left for the last search is what has to cross: parts should have few arcs between
-// them.
+// do this side by side; then what is left is pushed over all arcs. A flow of a part is a flow of the whole, so that the
+// cut is the same for any parts. What is left has to cross: parts should have few arcs between them.
 class MaxFlow {
  public:
   using Node = std::uint32_t;
@@ -57,21 +57,20 @@ class MaxFlow {
   std::int64_t Solve(int threads = 1);
 
   // After Solve: whether the node is on the source side of the canonical minimum cut.
-  [[nodiscard]] bool InSourceSide(Node node) const { return nodes_[node].parent != kNone; }
+  [[nodiscard]] bool InSourceSide(Node node) const { return labels_[node] == kSourceSide; }
 
  private:
-  using Arc = std::uint32_t;                                         // index
-  static constexpr Arc kTerminal = std::numeric_limits<Arc>::max();  // child of the source itself
-  static constexpr Arc kNone = kTerminal - 1;                        // not in the tree
-  static constexpr Arc kOrphan = kTerminal - 2;
+  using Arc = std::uint32_t;  // index
+  // Number of arcs to a node with capacity to the sink, or less, if it is none of these.
+  using Label = std::int32_t;
+  static constexpr Label kUnknown = std::numeric_limits<Label>::max();
+  static constexpr Label kCut = kUnknown - 1;  // no way to the sink, now and ever
+  static constexpr Label kSourceSide = kUnknown - 2;
 
   struct NodeState {
-    std::int64_t terminal = 0;  // residual capacity from the source (> 0) or to the sink (< 0)
+    std::int64_t terminal = 0;  // what it has to push (> 0), or its residual capacity to the sink (< 0)
     Arc first = 0;              // its arcs are [first, the next node's first)
-    Arc parent = kNone;         // arc from the node to its parent
-    std::int32_t distance = 0;  // to the source, an upper bound valid at `stamp`
-    std::int32_t stamp = 0;
-    bool is_active = false;  // in the queue of nodes to scan
+    Arc current = 0;            // those before this one lead nowhere with its label
   };
   struct ArcState {
     Node head = 0;
@@ -89,35 +88,28 @@ class MaxFlow {
     Arc from_v = 0;
   };
 
-  // Queues of a search, and how far it has come.
-  struct SearchState {
-    std::vector<Node> active;   // a queue: nodes to scan
-    std::vector<Node> orphans;  // a queue
-    std::int32_t time = 0;
-    std::int64_t flow = 0;
-  };
   struct Part {
     Node begin = 0;
     Node end = 0;
     std::vector<Edge> edges;             // inside
     std::vector<CrossingEdge> crossing;  // from a node of it to one of another part
     Arc first_arc = 0;
-    SearchState search;
     [[nodiscard]] bool Holds(Node node) const { return node >= begin && node < end; }
   };
-  class Search;
+  class Push;
 
   // Where each part's arcs begin.
   void PlaceParts();
   void BuildArcs(Part& part);
   // Tells the arcs between parts of each other.
   void JoinParts();
-  [[nodiscard]] std::vector<Node> EndsOfCrossingEdges() const;
+  void MarkSourceSide();
 
   std::vector<NodeState> nodes_;  // and one more, whose `first` ends the arcs
   std::vector<Part> parts_;
   std::vector<ArcState> arcs_;
-  std::vector<Arc> place_;  // of BuildArcs, per node
+  std::vector<Label> labels_;  // per node
+  std::vector<Arc> place_;     // of BuildArcs, per node
 };
 
 }  // namespace depthfarm
