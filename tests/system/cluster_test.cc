@@ -149,7 +149,7 @@ TEST_F(ClusterTest, WhatCannotBeIsSaid) {
     EXPECT_THAT(up.output, HasSubstr(row.expected));
     EXPECT_EQ(cluster_.Call("status").exit_code, 2) << row.expected;
   }
-  const Outcome run = Depthfarm({"run", sequence_, "-o", folder_ / "out", "--slots", "2"});
+  const Outcome run = Depthfarm({"run", sequence_, "-o", folder_ / "out", "--hosts", empty});
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.output, HasSubstr("need --engine slurm or --engine ssh"));
   EXPECT_FALSE(fs::exists(folder_ / "out"));
