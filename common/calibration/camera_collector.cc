@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/sequence/camera_fields.h"
+#include "common/sequence/json_fields.h"
 #include "common/sequence/read_sequence.h"
 
 namespace depthfarm {
@@ -23,8 +24,8 @@ Status CameraCollector::Add(CalibratedCamera camera, const std::string& position
   }
   DEPTHFARM_RETURN_IF_ERROR(ValidateCamera(camera.camera).WithContext(where));
   if (camera.z_near && !(*camera.z_near > 0 && *camera.z_near < *camera.z_far && std::isfinite(*camera.z_far))) {
-    return InvalidArgument(where + ": camera '" + name + "': its depth range is " + std::to_string(*camera.z_near) +
-                           " to " + std::to_string(*camera.z_far) + ", expected 0 < near < far");
+    return InvalidArgument(where + ": camera '" + name + "': its depth range is " + Shortened(Json(*camera.z_near)) +
+                           " to " + Shortened(Json(*camera.z_far)) + ", expected 0 < near < far");
   }
   cameras_.push_back(std::move(camera));
   return {};

@@ -13,7 +13,7 @@ namespace depthfarm {
 namespace {
 
 constexpr double kLengthTolerance = 0.01;  // of a rotation's quaternion, which programs write with few digits
-constexpr double kMostDepth = 1e30;         // fits a float
+constexpr double kMostDepth = 1e30;        // fits a float
 
 // False: the quaternion w, x, y, z is no rotation.
 bool RotationOf(const std::array<double, 4>& quaternion, Eigen::Matrix3d& rotation) {

@@ -6,6 +6,7 @@
 #include "common/calibration/camera_collector.h"
 #include "common/calibration/npy.h"
 #include "common/calibration/picture_name.h"
+#include "common/sequence/json_fields.h"
 
 namespace depthfarm {
 namespace {
@@ -44,8 +45,8 @@ Result<Calibration> ParseLlffCameras(std::string_view bytes, const std::string& 
     const double width = pose(1, 4);
     const double focal = pose(2, 4);
     if (!IsWhole(height) || !IsWhole(width)) {
-      return InvalidArgument(file + ": " + position + ": the size is " + std::to_string(width) + "x" +
-                             std::to_string(height) + ", expected whole numbers of pixels");
+      return InvalidArgument(file + ": " + position + ": the size is " + Shortened(Json(width)) + "x" +
+                             Shortened(Json(height)) + ", expected whole numbers of pixels");
     }
     CalibratedCamera result;
     Camera& camera = result.camera;
