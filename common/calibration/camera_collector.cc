@@ -3,9 +3,11 @@
 #include <cmath>
 #include <utility>
 
+#include "common/calibration/token_reader.h"
 #include "common/sequence/camera_fields.h"
 #include "common/sequence/json_fields.h"
 #include "common/sequence/read_sequence.h"
+#include "common/text/clean_line.h"
 
 namespace depthfarm {
 
@@ -13,6 +15,9 @@ Status CameraCollector::Add(CalibratedCamera camera, const std::string& position
   const std::string where = file_ + ": " + position;
   const std::string& name = camera.camera.name;
   DEPTHFARM_RETURN_IF_ERROR(CheckCameraName(name, where));
+  if (CleanLine(name, kMaxNameLength) != name) {
+    return InvalidArgument(where + ": the name of camera " + Quoted(name) + " is no UTF-8: rename it");
+  }
   const auto [known, is_new] = positions_.emplace(name, position);
   if (!is_new) {
     return InvalidArgument(where + ": camera '" + name + "' is there already, at " + known->second +

@@ -14,6 +14,33 @@ Result<std::uint32_t> Id(TokenReader& reader, const std::string& what) {
   return static_cast<std::uint32_t>(id);
 }
 
+Status BadCamera(const TokenReader& reader, std::uint32_t id, const std::string& position, const std::string& what) {
+  return InvalidArgument(reader.file() + ": " + position + ": camera " + std::to_string(id) + " " + what);
+}
+
+// What follows the id of a camera, to the end of the line.
+Result<ColmapCamera> ReadCamera(TokenReader& reader, std::uint32_t id, const std::string& position) {
+  const std::string of = " of camera " + std::to_string(id);
+  ColmapCamera camera;
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view lens, reader.Word("the model" + of));
+  camera.lens = ColmapLensOf(lens);
+  if (camera.lens == nullptr) {
+    return BadCamera(reader, id, position,
+                     "has the model " + Quoted(lens) +
+                         ", which is not supported: run 'colmap image_undistorter' and import what it writes");
+  }
+  DEPTHFARM_ASSIGN_OR_RETURN(camera.width, reader.Whole("the width" + of, kMaxWhole));
+  DEPTHFARM_ASSIGN_OR_RETURN(camera.height, reader.Whole("the height" + of, kMaxWhole));
+  while (reader.LineGoesOn()) {
+    DEPTHFARM_ASSIGN_OR_RETURN(const double number, reader.Number("a parameter" + of));
+    camera.params.push_back(number);
+  }
+  if (camera.params.size() == camera.lens->num_params) return camera;
+  return BadCamera(reader, id, position,
+                   "has " + std::to_string(camera.params.size()) + " parameters, expected the " +
+                       std::to_string(camera.lens->num_params) + " of " + std::string(camera.lens->name));
+}
+
 }  // namespace
 
 Result<ColmapCameras> ParseColmapCamerasText(const ColmapFile& file) {
@@ -22,28 +49,8 @@ Result<ColmapCameras> ParseColmapCamerasText(const ColmapFile& file) {
   for (reader.SkipComments(); !reader.AtEnd(); reader.SkipComments()) {
     const std::string position = reader.Position();
     DEPTHFARM_ASSIGN_OR_RETURN(const std::uint32_t id, Id(reader, "the id of a camera"));
-    const std::string name = "camera " + std::to_string(id);
-    const auto bad = [&](const std::string& what) {
-      return InvalidArgument(file.name + ": " + position + ": " + name + " " + what);
-    };
-    ColmapCamera camera;
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::string_view lens, reader.Word("the model of " + name));
-    camera.lens = ColmapLensOf(lens);
-    if (camera.lens == nullptr) {
-      return bad("has the model " + Quoted(lens) +
-                 ", which is not supported: run 'colmap image_undistorter' and import what it writes");
-    }
-    DEPTHFARM_ASSIGN_OR_RETURN(camera.width, reader.Whole("the width of " + name, kMaxWhole));
-    DEPTHFARM_ASSIGN_OR_RETURN(camera.height, reader.Whole("the height of " + name, kMaxWhole));
-    while (reader.LineGoesOn()) {
-      DEPTHFARM_ASSIGN_OR_RETURN(const double number, reader.Number("a parameter of " + name));
-      camera.params.push_back(number);
-    }
-    if (camera.params.size() != camera.lens->num_params) {
-      return bad("has " + std::to_string(camera.params.size()) + " parameters, expected the " +
-                 std::to_string(camera.lens->num_params) + " of " + std::string(camera.lens->name));
-    }
-    if (!cameras.emplace(id, std::move(camera)).second) return bad("is there twice");
+    DEPTHFARM_ASSIGN_OR_RETURN(ColmapCamera camera, ReadCamera(reader, id, position));
+    if (!cameras.emplace(id, std::move(camera)).second) return BadCamera(reader, id, position, "is there twice");
   }
   return cameras;
 }

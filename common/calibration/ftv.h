@@ -28,9 +28,8 @@ struct FtvConvention {
 // and three rows of [R | T]. Lines that begin with '#' between cameras are comments. Pixel (0, 0) is the centre of the
 // top-left pixel. `size` is that of all pictures; `file` is for messages.
 // Errors  kInvalidArgument naming file, line and camera: a word where a number is expected or the other way round, an
-// end
-//         amid a camera, distortion that is not 0, a camera that is there twice (in files of moving cameras), K or R
-//         that are none.
+//         end amid a camera, distortion that is not 0, a camera that is there twice (in files of moving cameras), K or
+//         R that are none.
 [[nodiscard]] Result<Calibration> ParseFtvCameras(std::string_view text, const std::string& file,
                                                   const PictureSize& size, const FtvConvention& convention);
 

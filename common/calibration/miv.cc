@@ -27,6 +27,8 @@ Result<std::array<double, 2>> Pair(const JsonFields& fields, std::string_view ke
   return pair;
 }
 
+std::string Where(const std::string& file, const std::string& position) { return file + ": " + position; }
+
 // Rz(yaw) Ry(pitch) Rx(roll), angles in degrees: from the camera's axes to the world's.
 Eigen::Matrix3d WorldFromCamera(const Eigen::Vector3d& degrees) {
   const Eigen::Vector3d angles = degrees * (std::numbers::pi / 180);
@@ -88,7 +90,7 @@ Result<Calibration> ParseMivCameras(std::string_view text, const std::string& fi
   CameraCollector cameras(file);
   for (std::size_t i = 0; i < list->size(); ++i) {
     const std::string position = "cameras[" + std::to_string(i) + "]";
-    DEPTHFARM_ASSIGN_OR_RETURN(JsonFields camera, JsonFields::OfForeign((*list)[i], file + ": " + position));
+    DEPTHFARM_ASSIGN_OR_RETURN(JsonFields camera, JsonFields::OfForeign((*list)[i], Where(file, position)));
     DEPTHFARM_ASSIGN_OR_RETURN(const std::string name, camera.String("Name"));
     if (name == kViewer) continue;
     camera.set_where(camera.where() + " (camera " + Shortened(Json(name)) + ")");

@@ -111,7 +111,7 @@ std::string ShapeText(const std::vector<std::uint64_t>& shape) {
 Result<NumberTable> ParseNpy(std::string_view bytes, const std::string& file) {
   const auto bad = [&](const std::string& what) { return InvalidArgument(file + ": " + what); };
   if (!bytes.starts_with(kMagic) || bytes.size() < kLongPrefix) return bad("is no NumPy file (.npy)");
-  const int version = bytes[kMagic.size()];
+  const unsigned version = static_cast<unsigned char>(bytes[kMagic.size()]);
   if (version < 1 || version > 3)
     return bad("has version " + std::to_string(version) + " of NumPy's format, expected 1 to 3");
   const std::size_t prefix = version == 1 ? kShortPrefix : kLongPrefix;

@@ -21,8 +21,7 @@ struct NumberTable {
 // A NumPy file (versions 1 to 3) of two dimensions, of 64-bit little-endian floats, in C or Fortran order; its header
 // is a Python dictionary of the keys descr, fortran_order and shape, as numpy.save writes it. `file` is for messages.
 // Errors  kInvalidArgument naming the file: it is none, another type or shape, or another number of bytes than the
-// shape
-//         takes. Takes memory in proportion to `bytes` alone.
+//         shape takes. Takes memory in proportion to `bytes` alone.
 [[nodiscard]] Result<NumberTable> ParseNpy(std::string_view bytes, const std::string& file);
 
 }  // namespace depthfarm

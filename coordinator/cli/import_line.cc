@@ -10,7 +10,8 @@ namespace {
 void AddPictureOptions(CLI::App& app, ImportOptions& options) {
   const char* group = "Pictures";
   app.add_option("--images", options.images,
-                 "Where they are. A path with {camera}, the camera's name, or {number}, the number that its name ends "
+                 "Where they are, from here. A path with {camera}, the camera's name, or {number}, the number that its "
+                 "name ends "
                  "with, and of several frames {frame}; {number:02}, {frame:04} with so many digits. Or, of colmap, "
                  "llff and middlebury, the folder of the pictures that the format names (llff: all that are in it, by "
                  "name). Without it cameras are known, for views, and depth is estimated for none")

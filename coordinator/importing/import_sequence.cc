@@ -117,6 +117,7 @@ Result<std::size_t> Reference(const ImportOptions& options, const Sequence& sequ
   }
   const std::vector<std::size_t> views = Views(sequence);
   std::vector<Camera> cameras;
+  cameras.reserve(views.size());
   for (const std::size_t view : views) cameras.push_back(sequence.cameras[view].camera);
   return views[static_cast<std::size_t>(CentreCamera(cameras))];
 }

@@ -73,6 +73,7 @@ TEST(BadCalibrations, Ftv) {
            {"cam.txt: line 12", "'left'", "at line 2", "move", "keep one"}},
           {"a folder in a name", Replaced(good, "left", "a/b"), {"cam.txt: line 2", "\"a/b\"", "without '/'"}},
           {"the folder above", Replaced(good, "left", ".."), {"cam.txt: line 2", "\"..\""}},
+          {"Latin 1", Replaced(good, "left", "c\xe1mara"), {"cam.txt: line 2", "mara", "no UTF-8", "rename"}},
           {"a name too long", Replaced(good, "left", std::string(201, 'x')), {"cam.txt: line 2", "200 bytes"}},
           {"singular K", Replaced(good, "0 510", "0 0"), {"cam.txt: line 2", "'left'", "focal lengths are 500 and 0"}},
           {"K of another kind", Replaced(good, "0 510", "3 510"), {"cam.txt: line 2", "'left'", "upper triangular"}},
