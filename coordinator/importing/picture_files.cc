@@ -139,14 +139,17 @@ Status CheckFile(const SequenceCamera& camera, const std::string& path) {
 }
 
 // Makes paths absolute and checks them.
-Status SetPictures(const std::vector<std::string>& paths, const ImportOptions& options, const fs::path& folder,
+Status SetPictures(const std::vector<std::string>& paths, const ImportOptions& options, const std::string& output,
                    SequenceCamera& camera) {
   if (options.allow_missing && std::ranges::none_of(paths, IsThere)) return {};
+  const fs::path folder = fs::path(output).parent_path();
   for (const std::string& path : paths) {
     DEPTHFARM_RETURN_IF_ERROR(CheckFile(camera, path));
     std::error_code error;
     const fs::path absolute = fs::absolute(path, error).lexically_normal();
     if (error) return BadPicture(camera, path, error.message());
+    if (absolute == output)
+      return BadPicture(camera, path, "would be replaced by the sequence file: choose another -o");
     const fs::path relative = absolute.lexically_relative(folder);
     if (!options.allow_outside && (relative.empty() || *relative.begin() == "..")) {
       return BadPicture(camera, path,
@@ -182,7 +185,7 @@ Result<std::vector<SequenceCamera>> CamerasWithPictures(const std::vector<Calibr
     if (options.images.empty()) continue;
     entry.format = picture_format;
     DEPTHFARM_ASSIGN_OR_RETURN(const std::vector<std::string> paths, names.PathsOf(camera));
-    DEPTHFARM_RETURN_IF_ERROR(SetPictures(paths, options, fs::path(output).parent_path(), entry));
+    DEPTHFARM_RETURN_IF_ERROR(SetPictures(paths, options, output, entry));
     if (entry.images.empty()) continue;
     const auto [other, is_new] = camera_of_first_picture.emplace(entry.images.front(), camera.camera.name);
     if (!is_new) {

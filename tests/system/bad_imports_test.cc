@@ -114,6 +114,11 @@ TEST(BadInput, ImportsOfPicturesThatAreNotThere) {
           {"import", "ftv", "{folder}/ftv.txt", "-o", "{out}/deep/s.json", "--size", "640x480", "--z-near", "4",
            "--z-far", "20", "--images", "{folder}/inside/{camera}.png"},
           {"camera 'left'", "{folder}/inside/left.png", "not below {out}/deep", "--allow-outside"}),
+      Row("a picture as output",
+          Words{"import", "ftv", "{folder}/ftv.txt", "-o", "{folder}/inside/left.png", "--images",
+                "{folder}/inside/{camera}.png"} +
+              kSize + kRange,
+          {"camera 'left'", "{folder}/inside/left.png", "would be replaced", "-o"}),
       Row("colmap: a picture", ImportOf("colmap", "sparse", {"--images", "{folder}"}),
           {"camera 'rig_left'", "{folder}/rig/left.jpg"}),
       Row("middlebury: frames",
