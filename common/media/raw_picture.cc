@@ -9,11 +9,6 @@
 namespace depthfarm {
 namespace {
 
-std::string FormatName(const PictureFormat& format) {
-  return (format.kind == PictureFormat::Kind::kYuv420 ? "yuv420p" : "gray") + std::to_string(format.bits) +
-         (format.bits > 8 ? "le" : "");
-}
-
 int BytesPerSample(int bits) { return bits > 8 ? 2 : 1; }
 
 int HalfSize(int size) { return (size + 1) / 2; }
@@ -23,7 +18,7 @@ Status CheckSize(std::string_view bytes, const PictureFormat& format, int width,
   if (bytes.size() == expected) return {};
   return InvalidArgument("holds " + std::to_string(bytes.size()) + " bytes, expected " + std::to_string(expected) +
                          " for one picture of " + std::to_string(width) + "x" + std::to_string(height) + " " +
-                         FormatName(format));
+                         RawFormatName(format));
 }
 
 // Takes one plane off the front of `bytes`.
@@ -36,7 +31,7 @@ Result<Grid<std::uint16_t>> TakePlane(std::string_view* bytes, const PictureForm
     const int sample = size == 1 ? data[i] : data[2 * i] | (data[2 * i + 1] << 8);
     if (sample > max) {
       return InvalidArgument("holds the sample " + std::to_string(sample) + ", expected at most " +
-                             std::to_string(max) + " in " + FormatName(format));
+                             std::to_string(max) + " in " + RawFormatName(format));
     }
     plane.values()[i] = static_cast<std::uint16_t>(sample);
   }
@@ -84,14 +79,6 @@ YcbcrReal ColourAt(const RgbImage& picture, int x, int y) {
 }
 
 }  // namespace
-
-std::uint64_t RawPictureBytes(const PictureFormat& format, int width, int height) {
-  std::uint64_t samples = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  if (format.kind == PictureFormat::Kind::kYuv420) {
-    samples += 2 * static_cast<std::uint64_t>(HalfSize(width)) * static_cast<std::uint64_t>(HalfSize(height));
-  }
-  return samples * static_cast<std::uint64_t>(BytesPerSample(format.bits));
-}
 
 Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat& format, int width, int height,
                                     int downscale) {

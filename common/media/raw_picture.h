@@ -7,12 +7,10 @@
 
 #include "common/base/status.h"
 #include "common/image/picture.h"
+#include "common/sequence/picture_format.h"
 #include "common/sequence/sequence.h"
 
 namespace depthfarm {
-
-// Bytes of one raw picture: planes of width x height and, for 4:2:0, two of half the size rounded up.
-[[nodiscard]] std::uint64_t RawPictureBytes(const PictureFormat& format, int width, int height);
 
 // Raw planar picture -> Y'CbCr, 1/downscale of the size (see DecodePicture for the contract of sizes and rounding).
 //

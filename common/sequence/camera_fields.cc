@@ -7,6 +7,8 @@ namespace {
 
 constexpr std::int64_t kMaxSide = 32768;
 
+}  // namespace
+
 Status CheckCameraName(const std::string& name, const std::string& where) {
   const auto bad = [&](const std::string& why) {
     return InvalidArgument(where + ": 'name' is " + Shortened(Json(name)) + ", " + why + " (it names files)");
@@ -19,8 +21,6 @@ Status CheckCameraName(const std::string& name, const std::string& where) {
   if (HasControlCharacter(name)) return bad("expected a name without control characters");
   return {};
 }
-
-}  // namespace
 
 Result<Camera> ReadCameraFields(const JsonFields& fields, const std::string& position) {
   Camera camera;

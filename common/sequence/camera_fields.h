@@ -12,6 +12,9 @@ namespace depthfarm {
 
 inline constexpr std::size_t kMaxNameLength = 200;  // bytes; file systems allow 255, endings included
 
+// Whether the name of a camera is fit to name files; kInvalidArgument "<where>: 'name' is ...".
+[[nodiscard]] Status CheckCameraName(const std::string& name, const std::string& where);
+
 // name, width, height, K, R and t of a camera. The name is fit to name files; whether K and R are those of a camera is
 // for ValidateCamera. `position` begins messages about the name, which may not be known yet.
 [[nodiscard]] Result<Camera> ReadCameraFields(const JsonFields& fields, const std::string& position);

@@ -120,7 +120,7 @@ Result<Json> ParseStrictJson(std::string_view text) {
 }
 
 Result<JsonFields> JsonFields::Of(const Json& value, std::string where, std::span<const std::string_view> keys) {
-  if (!value.is_object()) return InvalidArgument(where + ": is " + Shortened(value) + ", expected an object {...}");
+  DEPTHFARM_ASSIGN_OR_RETURN(JsonFields fields, OfForeign(value, where));
   for (const auto& [key, unused] : value.items()) {
     if (key.starts_with("x-") || std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
     std::string known;
@@ -128,6 +128,11 @@ Result<JsonFields> JsonFields::Of(const Json& value, std::string where, std::spa
     return InvalidArgument(where + ": unknown key " + Shortened(Json(key)) + ", expected one of " + known +
                            ", or a key that begins with x-");
   }
+  return fields;
+}
+
+Result<JsonFields> JsonFields::OfForeign(const Json& value, std::string where) {
+  if (!value.is_object()) return InvalidArgument(where + ": is " + Shortened(value) + ", expected an object {...}");
   return JsonFields(value, std::move(where));
 }
 

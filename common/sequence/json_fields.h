@@ -28,6 +28,8 @@ class JsonFields {
   // Fails unless `value` is an object whose keys are all among `keys` or begin with "x-".
   [[nodiscard]] static Result<JsonFields> Of(const Json& value, std::string where,
                                              std::span<const std::string_view> keys);
+  // Of another program's file, which may have keys that are unknown here. Fails unless `value` is an object.
+  [[nodiscard]] static Result<JsonFields> OfForeign(const Json& value, std::string where);
 
   [[nodiscard]] const std::string& where() const { return where_; }
   void set_where(std::string where) { where_ = std::move(where); }

@@ -10,12 +10,10 @@
 #include "common/sequence/camera_fields.h"
 #include "common/sequence/ground_truth_fields.h"
 #include "common/sequence/json_fields.h"
+#include "common/sequence/picture_format.h"
 
 namespace depthfarm {
 namespace {
-
-constexpr std::string_view kConvention =
-    "x_cam = R*X_world + t, +z forward, +y down, pixels (0,0)=centre of top-left pixel";
 
 Result<std::string> ResolvePath(const std::filesystem::path& folder, const std::string& path, const std::string& what,
                                 bool allow_outside) {
@@ -46,19 +44,6 @@ Result<bool> ReadChoice(const JsonFields& fields, std::string_view key, std::str
                     " or " + std::string(yes));
 }
 
-// "yuv420p8", "yuv420p9le" to "yuv420p16le", "gray8", "gray9le" to "gray16le": FFmpeg's names.
-bool ParseRawFormat(std::string_view name, PictureFormat* format) {
-  for (int bits = 8; bits <= 16; ++bits) {
-    const std::string ending = std::to_string(bits) + (bits == 8 ? "" : "le");
-    if (name == "yuv420p" + ending || name == "gray" + ending) {
-      format->kind = name.front() == 'y' ? PictureFormat::Kind::kYuv420 : PictureFormat::Kind::kYuv400;
-      format->bits = bits;
-      return true;
-    }
-  }
-  return false;
-}
-
 Result<PictureFormat> ReadFormat(const JsonFields& fields) {
   PictureFormat format;
   if (!fields.Has("format")) {
@@ -71,9 +56,8 @@ Result<PictureFormat> ReadFormat(const JsonFields& fields) {
   }
   DEPTHFARM_ASSIGN_OR_RETURN(const std::string name, fields.String("format"));
   if (!ParseRawFormat(name, &format)) {
-    return fields.Bad("'format' is " + Shortened(Json(name)) +
-                      ", expected yuv420p8, yuv420p9le to yuv420p16le, gray8, gray9le to gray16le, or no 'format' for "
-                      "image files");
+    return fields.Bad("'format' is " + Shortened(Json(name)) + ", expected " + kRawFormatNames +
+                      ", or no 'format' for image files");
   }
   DEPTHFARM_ASSIGN_OR_RETURN(format.full_range, ReadChoice(fields, "range", "limited", "full"));
   DEPTHFARM_ASSIGN_OR_RETURN(format.bt709, ReadChoice(fields, "matrix", "bt601", "bt709"));
@@ -132,9 +116,9 @@ class SequenceReader {
     }
     if (fields.Has("convention")) {
       DEPTHFARM_ASSIGN_OR_RETURN(const std::string convention, fields.String("convention"));
-      if (convention != kConvention) {
-        return fields.Bad("'convention' is " + Shortened(Json(convention)) + ", expected \"" +
-                          std::string(kConvention) + "\" (convert the cameras to it)");
+      if (convention != kSequenceConvention) {
+        return fields.Bad("'convention' is " + Shortened(Json(convention)) + ", expected \"" + kSequenceConvention +
+                          "\" (convert the cameras to it)");
       }
     }
     if (fields.Has("notes")) DEPTHFARM_RETURN_IF_ERROR(fields.String("notes").status());

@@ -14,6 +14,10 @@ inline constexpr int kMaxCameras = 1024;
 inline constexpr int kMaxFrames = 1'000'000;
 inline constexpr int kMaxSequenceFileMib = 256;
 
+// The only `convention` of a sequence file.
+inline constexpr const char* kSequenceConvention =
+    "x_cam = R*X_world + t, +z forward, +y down, pixels (0,0)=centre of top-left pixel";
+
 struct ReadSequenceOptions {
   // Accept absolute paths and paths that leave the folder of the sequence file. Off by default: a sequence from
   // elsewhere could otherwise name any file of the machines that read it. Symbolic links are followed (and judged) by

@@ -9,6 +9,7 @@
 #include "coordinator/cli/estimation_options.h"
 #include "coordinator/cli/farm_options.h"
 #include "coordinator/clusters/cluster_options.h"
+#include "coordinator/importing/import_options.h"
 
 namespace depthfarm {
 
@@ -126,6 +127,10 @@ struct VerifyArguments {
   std::string directory;
   bool json = false;
 };
+struct ImportArguments {
+  ImportOptions options;
+  bool json = false;
+};
 struct KeygenArguments {
   std::string output_dir;
 };
@@ -141,7 +146,7 @@ struct ClusterArguments {
 using CommandArguments =
     std::variant<DemoArguments, RunArguments, PlanArguments, BenchArguments, SubmitArguments, StatusArguments,
                  WatchArguments, LogsArguments, JobsArguments, CancelArguments, RetryArguments, WorkersArguments,
-                 DrainArguments, FetchArguments, VerifyArguments, KeygenArguments, ClusterArguments>;
+                 DrainArguments, FetchArguments, VerifyArguments, ImportArguments, KeygenArguments, ClusterArguments>;
 
 }  // namespace depthfarm
 

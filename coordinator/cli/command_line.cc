@@ -10,6 +10,7 @@
 
 #include "coordinator/cli/cluster_line.h"
 #include "coordinator/cli/exit_codes.h"
+#include "coordinator/cli/import_line.h"
 #include "coordinator/cli/option_parts.h"
 
 namespace depthfarm {
@@ -407,6 +408,7 @@ constexpr auto kCommands = std::to_array<Command>({
     {"cluster", "Farms whose workers Slurm, ssh or this machine provides: up, status, down", DefineCluster},
     {"fetch", "Copy a job's depth from the farm when it was submitted without an output folder", DefineFetch},
     {"verify", "Check an output folder against its digests", DefineVerify},
+    {"import", "Turn the calibration of another program (COLMAP, MPEG, ...) into a sequence file", DefineImport},
     {"keygen", "Make the keys of a farm", DefineKeygen},
 });
 

@@ -24,6 +24,7 @@ namespace depthfarm {
 [[nodiscard]] int Execute(const DrainArguments& arguments);
 [[nodiscard]] int Execute(const FetchArguments& arguments);
 [[nodiscard]] int Execute(const VerifyArguments& arguments);
+[[nodiscard]] int Execute(const ImportArguments& arguments);
 [[nodiscard]] int Execute(const KeygenArguments& arguments);
 [[nodiscard]] int Execute(const ClusterArguments& arguments);
 

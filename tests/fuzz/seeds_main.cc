@@ -25,6 +25,7 @@
 #include "common/wire/task_wire.h"
 #include "coordinator/journal/frame_codec.h"
 #include "coordinator/service/submission.h"
+#include "tests/support/calibration_samples.h"
 #include "worker/confidence/confidence_codec.h"
 #include "worker/estimation/label_field_codec.h"
 #include "worker/refinement/refined_view_codec.h"
@@ -250,6 +251,30 @@ void AddSubmissions(const Sequence& sequence, Seeds& seeds) {
   seeds["submission/render"] = render.SerializeAsString();
 }
 
+// As colmap_model_fuzz.cc takes a model apart.
+std::string ColmapSeed(bool binary, std::string_view cameras, std::string_view images, std::string_view points) {
+  std::string bytes(1, binary ? '\1' : '\0');
+  for (const std::string_view part : {cameras, images}) {
+    bytes += static_cast<char>(part.size() & 0xFFU);
+    bytes += static_cast<char>(part.size() >> 8);
+    bytes += part;
+  }
+  return bytes.append(points);
+}
+
+void AddCalibrations(Seeds& seeds) {
+  seeds["ftv_cameras/centre"] = std::string(1, '\0') + std::string(samples::kFtv);
+  seeds["ftv_cameras/behind"] = std::string(1, '\1') + std::string(samples::kFtv);
+  seeds["msr_cameras/two"] = samples::kMsr;
+  seeds["middlebury_cameras/two"] = samples::kMiddlebury;
+  seeds["miv_cameras/four"] = samples::kMiv;
+  seeds["llff_cameras/two"] = samples::Llff();
+  seeds["colmap_model/text"] =
+      ColmapSeed(false, samples::kColmapCameras, samples::kColmapImages, samples::ColmapPoints());
+  seeds["colmap_model/binary"] =
+      ColmapSeed(true, samples::ColmapCamerasBinary(), samples::ColmapImagesBinary(), samples::ColmapPointsBinary());
+}
+
 TaskSpec SmallTask(TaskKind kind, const Sequence& sequence) {
   TaskSpec spec;
   spec.id = {JobId(7), 1, kind, 0, 0};
@@ -385,6 +410,7 @@ Seeds AllSeeds() {
   AddArtifacts(seeds);
   AddPictures(seeds);
   AddTexts(sequence, seeds);
+  AddCalibrations(seeds);
   AddSubmissions(sequence, seeds);
   AddWorkerMessages(sequence, seeds);
   AddClientMessages(sequence, seeds);

@@ -227,7 +227,7 @@ TEST(CommandLine, ClustersGoUpAreLookedAtAndGoDown) {
 
 TEST(CommandLine, HelpOfEachCommandHasAnExampleAndGoesToStdout) {
   for (const char* command :
-       {"demo", "run", "bench", "submit", "status", "watch", "jobs", "cancel", "workers", "keygen"}) {
+       {"demo", "run", "bench", "submit", "status", "watch", "jobs", "cancel", "workers", "import", "keygen"}) {
     const CommandLineExit exit = Exit({command, "--help"});
     EXPECT_EQ(exit.code, kExitOk) << command;
     EXPECT_THAT(exit.output, HasSubstr("Example")) << command;
@@ -235,11 +235,32 @@ TEST(CommandLine, HelpOfEachCommandHasAnExampleAndGoesToStdout) {
   }
 }
 
+TEST(CommandLine, ImportKeepsItsOptions) {
+  const auto import = Parsed<ImportArguments>(
+      {"import",   "--cameras",      "a,b",      "ftv",     "cam.txt",  "-o",     "s.json",
+       "--images", "{camera}.yuv",   "--size",   "64x48",   "--z-near", "-3.5",   "--z-far",
+       "1e3",      "--pixel-format", "yuv420p8", "--range", "full",     "--pose", "world-to-camera",
+       "--z-axis", "backward",       "--json"});
+  EXPECT_EQ(import.options.format, "ftv");
+  EXPECT_EQ(import.options.calibration, "cam.txt");
+  EXPECT_EQ(import.options.output, "s.json");
+  EXPECT_THAT(import.options.cameras, ElementsAre("a", "b"));
+  EXPECT_EQ(import.options.images, "{camera}.yuv");
+  EXPECT_EQ(import.options.z_near, -3.5) << "what it means is for the command";
+  EXPECT_EQ(import.options.z_far, 1000);
+  EXPECT_EQ(import.options.pose, "world-to-camera");
+  EXPECT_EQ(import.options.z_axis, "backward");
+  EXPECT_TRUE(import.json);
+  EXPECT_FALSE(Parsed<ImportArguments>({"import", "llff", "p.npy", "-o", "s.json"}).options.z_near.has_value());
+  EXPECT_EQ(Exit({"import", "ftv", "cam.txt"}).code, kExitBadInput) << "no output";
+  EXPECT_EQ(Exit({"import", "ftv", "cam.txt", "-o", "s.json", "--range", "full"}).code, kExitBadInput);
+}
+
 TEST(CommandLine, OverviewNamesEveryCommand) {
   const CommandLineExit exit = Exit({"--help"});
   EXPECT_EQ(exit.code, kExitOk);
   for (const char* command : {"demo", "run", "bench", "submit", "status", "watch", "jobs", "cancel", "workers",
-                              "keygen", "scene", "evaluate", "colour"}) {
+                              "import", "keygen", "scene", "evaluate", "colour"}) {
     EXPECT_THAT(exit.output, HasSubstr(command));
   }
 }
