@@ -76,10 +76,13 @@ Result<v1::Envelope> Client::Ask(v1::Envelope question, v1::Envelope::BodyCase e
   DEPTHFARM_RETURN_IF_ERROR(channel_->Send(SerializeEnvelope(std::move(question))));
   const auto deadline = SteadyClock::now() + options_.timeout;
   while (true) {
-    if (options_.stop && options_.stop()) return Cancelled();
+    // What has come counts all the same, as the last words of a coordinator that was told to stop.
+    const bool stop = options_.stop && options_.stop();
     const auto left = std::chrono::ceil<milliseconds>(deadline - SteadyClock::now());
-    if (left <= milliseconds(0)) break;
-    DEPTHFARM_ASSIGN_OR_RETURN(std::optional<std::string> bytes, channel_->Receive(std::min(left, kLookInterval)));
+    if (!stop && left <= milliseconds(0)) break;
+    DEPTHFARM_ASSIGN_OR_RETURN(std::optional<std::string> bytes,
+                               channel_->Receive(stop ? milliseconds(0) : std::min(left, kLookInterval)));
+    if (!bytes && stop) return Cancelled();
     if (!bytes) continue;
     DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, ParseEnvelope(*bytes));
     if (answer.request_id() != request_id) continue;

@@ -60,7 +60,8 @@ TEST_F(Journal, WorkersOutliveACoordinatorThatIsStoppedForALittleWhile) {
   EXPECT_THAT(Differences(Undisturbed(), DepthOf(output)), IsEmpty());
   EXPECT_FALSE(farm.worker(worker).Poll()) << farm.Logs();
   // Told to by an administrator they end with it.
-  ASSERT_TRUE(farm.client().StopCoordinator().ok());
+  const Status stopped = farm.client().StopCoordinator();
+  ASSERT_TRUE(stopped.ok()) << stopped.message() << "\n" << farm.Logs();
   EXPECT_TRUE(farm.worker(worker).WaitFor(kDeadline)) << farm.Logs();
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <future>
@@ -182,6 +183,22 @@ TEST(Client, StopsWaitingWhenTold) {
   const FakeCoordinator coordinator([](const v1::Envelope&) { return Answers{}; });
   const auto client = ClientOf(coordinator, {.timeout = milliseconds(600'000), .stop = [] { return true; }});
   EXPECT_EQ(client->ListJobs().status().code(), ErrorCode::kCancelled);
+}
+
+TEST(Client, AnAnswerThatHasComeCountsAlsoWhenToldToStop) {
+  std::atomic<bool> answered = false;
+  const FakeCoordinator coordinator([&](const v1::Envelope&) {
+    v1::Envelope answer;
+    answer.mutable_done();
+    answered = true;
+    return Answers{answer};
+  });
+  const auto stop = [&] {
+    while (!answered) std::this_thread::sleep_for(milliseconds(1));
+    std::this_thread::sleep_for(milliseconds(500));  // until it has come: microseconds, if nothing else runs
+    return true;
+  };
+  EXPECT_TRUE(ClientOf(coordinator, {.timeout = milliseconds(600'000), .stop = stop})->StopCoordinator().ok());
 }
 
 TEST(Client, ListsComeInTheOrderOfTheCoordinator) {
