@@ -36,6 +36,21 @@ Result<Camera> ReadCameraFields(const JsonFields& fields, const std::string& pos
   return camera;
 }
 
+nlohmann::ordered_json CameraFieldsJson(const Camera& camera) {
+  const auto rows_of = [](const Eigen::Matrix3d& m) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (int row = 0; row < 3; ++row) rows.push_back({m(row, 0), m(row, 1), m(row, 2)});
+    return rows;
+  };
+  const Eigen::Vector3d& t = camera.cam_from_world_translation;
+  return {{"name", camera.name},
+          {"width", camera.width},
+          {"height", camera.height},
+          {"K", rows_of(camera.intrinsics)},
+          {"R", rows_of(camera.cam_from_world_rotation)},
+          {"t", {t[0], t[1], t[2]}}};
+}
+
 std::string CameraWhere(const Json& value, const std::string& position) {
   if (!value.is_object() || !value.contains("name") || !value.at("name").is_string()) return position;
   return position + " (camera " + Shortened(value.at("name")) + ")";

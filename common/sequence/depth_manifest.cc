@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "common/files/atomic_file.h"
+#include "common/sequence/camera_fields.h"
 #include "common/sequence/frame_name.h"
 #include "common/sequence/json_fields.h"
 #include "common/sequence/output_layout.h"
@@ -98,12 +99,6 @@ Status CheckManifest(const DepthManifest& manifest) {
   return {};
 }
 
-OrderedJson RowsOf(const Eigen::Matrix3d& m) {
-  OrderedJson rows = OrderedJson::array();
-  for (int row = 0; row < 3; ++row) rows.push_back({m(row, 0), m(row, 1), m(row, 2)});
-  return rows;
-}
-
 void AddFiles(const char* paths_key, const char* digests_key, const std::vector<DepthManifestFile>& files,
               OrderedJson& json) {
   OrderedJson paths = OrderedJson::array();
@@ -117,16 +112,9 @@ void AddFiles(const char* paths_key, const char* digests_key, const std::vector<
 }
 
 OrderedJson CameraJson(const DepthManifestCamera& entry) {
-  const Camera& camera = entry.camera;
-  const Eigen::Vector3d& t = camera.cam_from_world_translation;
-  OrderedJson json = {{"name", camera.name},
-                      {"width", camera.width},
-                      {"height", camera.height},
-                      {"K", RowsOf(camera.intrinsics)},
-                      {"R", RowsOf(camera.cam_from_world_rotation)},
-                      {"t", {t[0], t[1], t[2]}},
-                      {"zNear", entry.z_near},
-                      {"zFar", entry.z_far}};
+  OrderedJson json = CameraFieldsJson(entry.camera);
+  json["zNear"] = entry.z_near;
+  json["zFar"] = entry.z_far;
   AddFiles("files", "sha256", entry.files, json);
   if (!entry.confidence.empty()) AddFiles("confidence", "confidenceSha256", entry.confidence, json);
   json["inputSha256"] = entry.input_sha256;

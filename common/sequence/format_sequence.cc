@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/geometry/camera.h"
+#include "common/sequence/camera_fields.h"
 #include "common/sequence/picture_format.h"
 #include "common/sequence/read_sequence.h"
 
@@ -12,12 +13,6 @@ namespace depthfarm {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;  // keeps the order of writing: the file is read by people too
-
-OrderedJson RowsOf(const Eigen::Matrix3d& m) {
-  OrderedJson rows = OrderedJson::array();
-  for (int row = 0; row < 3; ++row) rows.push_back({m(row, 0), m(row, 1), m(row, 2)});
-  return rows;
-}
 
 OrderedJson PathsOf(const std::vector<std::string>& paths, const std::filesystem::path& folder) {
   OrderedJson list = OrderedJson::array();
@@ -31,14 +26,7 @@ void AddRange(std::optional<double> z_near, std::optional<double> z_far, Ordered
 }
 
 OrderedJson CameraJson(const SequenceCamera& entry, const std::filesystem::path& folder) {
-  const Camera& camera = entry.camera;
-  const Eigen::Vector3d& t = camera.cam_from_world_translation;
-  OrderedJson json = {{"name", camera.name},
-                      {"width", camera.width},
-                      {"height", camera.height},
-                      {"K", RowsOf(camera.intrinsics)},
-                      {"R", RowsOf(camera.cam_from_world_rotation)},
-                      {"t", {t[0], t[1], t[2]}}};
+  OrderedJson json = CameraFieldsJson(entry.camera);
   AddRange(entry.z_near, entry.z_far, json);
   json["images"] = PathsOf(entry.images, folder);
   if (!entry.masks.empty()) json["masks"] = PathsOf(entry.masks, folder);

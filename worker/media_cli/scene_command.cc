@@ -18,6 +18,7 @@
 #include "common/scene/render.h"
 #include "common/scene/scene.h"
 #include "common/scene/zone.h"
+#include "common/sequence/camera_fields.h"
 #include "common/sequence/frame_name.h"
 
 namespace depthfarm {
@@ -65,20 +66,8 @@ Status WriteView(const RenderedView& view, const ViewFiles& files, const SceneCo
   return WriteFileAtomically(folder / files.zones, zones);
 }
 
-Json Rows(const Eigen::Matrix3d& m) {
-  Json rows = Json::array();
-  for (int row = 0; row < 3; ++row) rows.push_back({m(row, 0), m(row, 1), m(row, 2)});
-  return rows;
-}
-
 Json CameraJson(const Camera& camera, const SceneCommandOptions& options) {
-  const Eigen::Vector3d& t = camera.cam_from_world_translation;
-  Json json = {{"name", camera.name},
-               {"width", camera.width},
-               {"height", camera.height},
-               {"K", Rows(camera.intrinsics)},
-               {"R", Rows(camera.cam_from_world_rotation)},
-               {"t", {t[0], t[1], t[2]}}};
+  Json json = CameraFieldsJson(camera);
   if (RawBits(options.format) > 0) {
     json["format"] = options.format;
     json["range"] = "full";
