@@ -61,11 +61,11 @@ class MaxFlow {
 
  private:
   using Arc = std::uint32_t;  // index
-  // Number of arcs to a node with capacity to the sink, or less, if it is none of these.
+  // Arcs on the way to the nearest node with capacity to the sink, or fewer; or one of the three below.
   using Label = std::int32_t;
-  static constexpr Label kUnknown = std::numeric_limits<Label>::max();
-  static constexpr Label kCut = kUnknown - 1;  // no way to the sink, now and ever
-  static constexpr Label kSourceSide = kUnknown - 2;
+  static constexpr Label kUnknown = std::numeric_limits<Label>::max();  // while labels are found
+  static constexpr Label kCut = kUnknown - 1;                           // no way to the sink, now and ever
+  static constexpr Label kSourceSide = kUnknown - 2;                    // after Solve
 
   struct NodeState {
     std::int64_t terminal = 0;  // what it has to push (> 0), or its residual capacity to the sink (< 0)

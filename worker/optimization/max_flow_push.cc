@@ -38,8 +38,8 @@ void MaxFlow::Push::GoOn() {
 }
 
 std::int64_t MaxFlow::Push::Return(std::vector<Supply> supplies) {
-  // Whoever has something yet is cut from the sink. It keeps of it what it got itself, the rest goes to those that
-  // gave.
+  // Nodes that have something yet are cut from the sink. Each keeps of it what it got itself; the rest goes to nodes
+  // that passed on what they got.
   std::int64_t all = 0;
   for (Node node = begin_; node < end_; ++node) all += std::max<std::int64_t>(nodes_[node].terminal, 0);
   std::erase_if(supplies, [this](const Supply& supply) { return labels_[supply.node] != kCut; });
