@@ -108,8 +108,10 @@ void RegisterFlowBenchmarks(MeasuredFrames& frames, bool& failed) {
   for (const int segments : frames.workload().flow_segments) {
     const auto move = std::make_shared<LazyMove>(frames, segments);
     for (const Solver& solver : solvers) {
-      const std::string name =
-          "MaxFlow/" + solver.name + "/" + std::to_string(frames.workload().views) + "x" + std::to_string(segments);
+      const Workload& of = frames.workload();
+      const std::string frame =
+          of.sequence.empty() ? std::to_string(of.views) + "x" + std::to_string(segments) : "first_frame";
+      const std::string name = "MaxFlow/" + solver.name + "/" + frame;
       benchmark::RegisterBenchmark(name.c_str(), [solver, move, &failed](benchmark::State& state) {
         MeasureSolver(state, solver, *move, failed);
       })->Unit(benchmark::kMillisecond);

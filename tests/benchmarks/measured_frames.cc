@@ -1,6 +1,8 @@
 #include "tests/benchmarks/measured_frames.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <iostream>
 #include <utility>
 
 #include "common/job/level_partition.h"
@@ -35,14 +37,22 @@ MeasuredFrame::Block MeasuredFrame::BlockOf(std::vector<Level> levels) const {
 
 namespace {
 
+// A benchmark ends where its input is none.
+template <typename T>
+T ValueOrExit(Result<T> result) {
+  if (result.ok()) return std::move(result).value();
+  std::cerr << "depthfarm-benchmarks: " << result.status().message() << "\n";
+  std::exit(2);
+}
+
 test::RenderedSequence FirstFrameOf(const std::string& file) {
   test::RenderedSequence read;
-  read.sequence = ReadSequence(file).value();
+  read.sequence = ValueOrExit(ReadSequence(file));
   std::erase_if(read.sequence.cameras, [](const SequenceCamera& camera) { return camera.images.empty(); });
   read.pictures.emplace_back();
   for (const SequenceCamera& camera : read.sequence.cameras) {
     read.pictures.back().push_back(
-        ReadPicture(camera.images.front(), camera.format, camera.camera.width, camera.camera.height, 1).value());
+        ValueOrExit(ReadPicture(camera.images.front(), camera.format, camera.camera.width, camera.camera.height, 1)));
   }
   return read;
 }
