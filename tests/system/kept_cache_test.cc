@@ -25,7 +25,8 @@ struct Counts {
 // Of a run's --json.
 Counts TasksOf(const Outcome& run) {
   Counts counts;
-  for (const nlohmann::json& stage : ParseJsonTail(run.output)["stages"]) {
+  const nlohmann::json report = ParseJsonTail(run.output);
+  for (const nlohmann::json& stage : report.at("stages")) {
     // What is written into the output folder is of each run.
     if (const std::string name = stage.at("stage"); name != "analyse" && name != "estimate" && name != "refine")
       continue;

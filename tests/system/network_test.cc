@@ -58,8 +58,9 @@ class Network : public DisturbedJob {
   // How attempts of a job's tasks ended, other than well.
   [[nodiscard]] std::set<std::string> Mishaps(std::uint64_t job) {
     const Outcome told = Depthfarm(Words{"logs", std::to_string(job), "--json"} + farm_->Options());
+    const nlohmann::json logs = ParseJsonTail(told.output);
     std::set<std::string> mishaps;
-    for (const nlohmann::json& attempt : ParseJsonTail(told.output)["attempts"]) mishaps.insert(attempt["outcome"]);
+    for (const nlohmann::json& attempt : logs.at("attempts")) mishaps.insert(attempt.at("outcome"));
     mishaps.erase("done");
     return mishaps;
   }
