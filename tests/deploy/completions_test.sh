@@ -63,16 +63,15 @@ zpty shell zsh -f -i
 zpty -w shell "PS1=; fpath=($1 \$fpath); autoload -U compinit; compinit -u -D; print ready"
 zpty -r shell text '*ready*'
 shift
-for words; do
-  zpty -n -w shell $'\C-u'"$words[1,-1]"$'\t'
-  zpty -r shell text '*' ; text=
-  repeat 100 { zpty -r -t shell more && text+=$more; [[ $text == *${words##* }* ]] && break; sleep 0.05 }
-  sleep 0.3; zpty -r -t shell more && text+=$more
+for begun complete; do
+  zpty -n -w shell $'\C-u'"$begun"$'\t'
+  text=
+  repeat 400 { zpty -r -t shell more && text+=$more; [[ $text == *$complete* ]] && break; sleep 0.05 }
   print -r -- "$text"
 done
 END
-  text=$(timeout 60 zsh -f "$folder/drive.zsh" "$completions" "depthfarm ru" "depthfarm cluster up --engine sl" \
-    "depthfarm run --pres" | cat -v)
+  text=$(timeout 100 zsh -f "$folder/drive.zsh" "$completions" "depthfarm ru" run "depthfarm cluster up --engine sl" \
+    slurm "depthfarm run --pres" --preset | cat -v)
   for word in run slurm --preset; do grep -qF -e "$word" <<<"$text" || fail "zsh: no $word in: $text"; done
 else
   echo "no zsh here: its completion was not tried"

@@ -95,9 +95,10 @@ class PodProcess:
 
     def start(self) -> None:
         with self.log.open("w") as log:
-            # A terminal may be there, a pod has none; and its home is nobody's.
+            # A terminal may be there, a pod has none; and its home is nobody's. Sanitizers keep their options.
+            kept = {name: value for name, value in os.environ.items() if name == "PATH" or name.endswith("SAN_OPTIONS")}
             self.process = subprocess.Popen(self.command(), stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-                                            env={"PATH": os.environ["PATH"]}, **self.farm.user_of(self.pod))
+                                            env=kept, **self.farm.user_of(self.pod))
 
     def said(self, pattern: str) -> str:
         """What follows `pattern`, a group of it, in what it wrote; waits for it."""
