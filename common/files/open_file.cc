@@ -18,4 +18,18 @@ Status FileFailure(const std::string& path, const std::string& action) {
   return Unavailable(path + ": cannot " + action + ": " + std::generic_category().message(errno));
 }
 
+Result<std::size_t> ReadUpTo(const std::string& path, const OpenFile& file, std::uint64_t offset,
+                             std::span<char> bytes) {
+  std::size_t have = 0;
+  while (have < bytes.size()) {
+    const ssize_t got =
+        pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(offset + have));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return FileFailure(path, "read the file");
+    if (got == 0) break;
+    have += static_cast<std::size_t>(got);
+  }
+  return have;
+}
+
 }  // namespace depthfarm

@@ -1,6 +1,9 @@
 #ifndef DEPTHFARM_COMMON_FILES_OPEN_FILE_H_
 #define DEPTHFARM_COMMON_FILES_OPEN_FILE_H_
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include "common/base/status.h"
@@ -27,6 +30,11 @@ class OpenFile {
 
 // kUnavailable "<path>: cannot <action>: <the system's reason>", the reason by errno.
 [[nodiscard]] Status FileFailure(const std::string& path, const std::string& action);
+
+// From `offset` on, as many bytes as there are, at most as `bytes` has room for; returns how many. `path` is for the
+// message. Errors: kUnavailable when the file cannot be read.
+[[nodiscard]] Result<std::size_t> ReadUpTo(const std::string& path, const OpenFile& file, std::uint64_t offset,
+                                           std::span<char> bytes);
 
 }  // namespace depthfarm
 

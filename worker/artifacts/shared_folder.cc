@@ -71,16 +71,11 @@ int Lock(const OpenFile& file, int how) {
   return 0;
 }
 
-std::string ReadUpTo(const OpenFile& file, std::size_t count) {
+// Nothing when it cannot be read.
+std::string FirstBytes(const OpenFile& file, std::size_t count) {
   std::string bytes(count, '\0');
-  std::size_t have = 0;
-  while (have < count) {
-    const ssize_t got = pread(file.descriptor(), bytes.data() + have, count - have, static_cast<off_t>(have));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) break;
-    have += static_cast<std::size_t>(got);
-  }
-  bytes.resize(have);
+  const Result<std::size_t> have = ReadUpTo("", file, 0, bytes);
+  bytes.resize(have.ok() ? *have : 0);
   return bytes;
 }
 
@@ -200,7 +195,7 @@ Status SharedFolder::Count() {
 }
 
 Status SharedFolder::ReadSum() {
-  const std::string sum = ReadUpTo(lock_, kSumBytes);
+  const std::string sum = FirstBytes(lock_, kSumBytes);
   if (sum.size() != kSumBytes || !sum.starts_with(kMagic)) {
     last_release_ = NextTime();  // perhaps there was one
     return Count();
@@ -320,7 +315,7 @@ std::set<ArtifactKey> SharedFolder::PinsOfOthers() {
     alone = false;
     struct stat facts {};
     if (fstat(file.descriptor(), &facts) != 0) continue;
-    const std::string pinned = ReadUpTo(file, static_cast<std::size_t>(facts.st_size));
+    const std::string pinned = FirstBytes(file, static_cast<std::size_t>(facts.st_size));
     for (std::size_t at = 0; at + kKeyBytes <= pinned.size(); at += kKeyBytes) {
       ArtifactKey key{};
       std::copy_n(pinned.begin() + static_cast<std::ptrdiff_t>(at), kKeyBytes, key.begin());

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <span>
 
 #include "common/base/little_endian.h"
@@ -29,15 +28,8 @@ constexpr std::size_t kDigestStepBytes = std::size_t{1} << 20;
 
 // As many bytes as `bytes` has room for, from `position` on; kUnavailable when the file ends before.
 Status ReadAt(const std::string& path, const OpenFile& file, std::uint64_t position, std::span<char> bytes) {
-  std::size_t have = 0;
-  while (have < bytes.size()) {
-    const ssize_t got =
-        pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(position + have));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return FileFailure(path, "read the file");
-    if (got == 0) return Unavailable(path + ": ends before byte " + std::to_string(position + bytes.size()));
-    have += static_cast<std::size_t>(got);
-  }
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t have, ReadUpTo(path, file, position, bytes));
+  if (have < bytes.size()) return Unavailable(path + ": ends before byte " + std::to_string(position + bytes.size()));
   return {};
 }
 

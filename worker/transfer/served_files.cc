@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstddef>
 #include <span>
 #include <string_view>
@@ -21,20 +20,6 @@ constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
 
 // O_NONBLOCK: opening a pipe without a writer would wait for ever; it has no effect on regular files.
 OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)); }
-
-// As many as there are, at most as `bytes` has room for. Returns how many.
-Result<std::size_t> ReadAt(const std::string& path, const OpenFile& file, std::uint64_t offset, std::span<char> bytes) {
-  std::size_t have = 0;
-  while (have < bytes.size()) {
-    const ssize_t got =
-        pread(file.descriptor(), bytes.data() + have, bytes.size() - have, static_cast<off_t>(offset + have));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return FileFailure(path, "read the file");
-    if (got == 0) break;
-    have += static_cast<std::size_t>(got);
-  }
-  return have;
-}
 
 bool SameTime(const timespec& a, const timespec& b) { return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec; }
 
@@ -57,7 +42,7 @@ Result<FileDigest> ServedFiles::Add(const std::string& path, const std::function
   std::string piece(kPieceBytes, '\0');
   for (std::uint64_t at = 0; at < digest.bytes; at += kPieceBytes) {
     if (stop()) return Cancelled();
-    DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t count, ReadAt(path, file, at, piece));
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t count, ReadUpTo(path, file, at, piece));
     if (count != std::min<std::uint64_t>(kPieceBytes, digest.bytes - at))
       return Unavailable(path + ": changed while it was read");
     hasher.Update(std::string_view(piece).substr(0, count));
@@ -80,7 +65,7 @@ Result<ArtifactChunk> ServedFiles::ReadChunk(const ArtifactKey& key, std::uint64
   if (fstat(file.descriptor(), &facts) != 0) return FileFailure(served.path, "examine the file");
   const std::uint64_t count = std::min(max_bytes, served.bytes - offset);
   DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, chunk_memory_.Take(static_cast<std::size_t>(count)));
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t read, ReadAt(served.path, file, offset, bytes));
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t read, ReadUpTo(served.path, file, offset, bytes));
   if (!S_ISREG(facts.st_mode) || static_cast<std::uint64_t>(facts.st_size) != served.bytes ||
       !SameTime(facts.st_mtim, served.changed) || read != count) {
     return Corrupt(served.path + ": was changed since the job was submitted");
