@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "coordinator/cli/exit_codes.h"
@@ -11,6 +12,10 @@ namespace depthfarm {
 namespace {
 
 constexpr std::chrono::seconds kPlainLineInterval{5};
+
+// The end of a job is noticed late by a part of the time that it took, so that short ones end at once.
+constexpr int kPausesOfAll = 200;
+constexpr std::chrono::milliseconds kLeastPause{5};
 
 }  // namespace
 
@@ -37,11 +42,14 @@ void ProgressLine::Show(const std::string& text) {
 
 Result<v1::JobStatus> FollowJob(Client& client, std::uint64_t job_id, std::chrono::milliseconds interval,
                                 const std::function<Status(const v1::JobStatus&)>& each) {
+  const auto start = std::chrono::steady_clock::now();
   while (true) {
     DEPTHFARM_ASSIGN_OR_RETURN(v1::JobStatus job, client.GetStatus(job_id));
     DEPTHFARM_RETURN_IF_ERROR(each(job));
     if (job.state() != v1::JOB_STATE_RUNNING) return job;
-    PauseUnlessInterrupted(interval);
+    const auto followed =
+        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
+    PauseUnlessInterrupted(std::clamp(followed / kPausesOfAll, std::min(kLeastPause, interval), interval));
     if (Interrupted()) return Cancelled();
   }
 }
