@@ -22,7 +22,7 @@ struct ClientOptions {
   std::chrono::milliseconds linger{500};  // how long the end of the channel waits for queued messages to leave
 };
 
-// One connection to a ServerChannel (DEALER). Connects and reconnects by itself (every 100 to 2000 ms); messages sent
+// One connection to a ServerChannel (DEALER). Connects and reconnects by itself (after 20 to 2000 ms); messages sent
 // meanwhile wait in a bounded queue. After a reconnect the server sees a new peer. Not thread-safe.
 class ClientChannel : public Channel {
  public:

@@ -8,7 +8,7 @@ namespace {
 constexpr int kHeartbeatIntervalMs = 500;
 constexpr int kHeartbeatTimeoutMs = 1500;
 constexpr int kHandshakeMs = 3000;
-constexpr int kReconnectMs = 100;
+constexpr int kReconnectMs = 20;
 constexpr int kReconnectMaxMs = 2000;
 constexpr int kConnectTimeoutMs = 2000;
 
