@@ -16,7 +16,8 @@ int DistanceFromInterval(Level alpha, Level a, Level b) {
 }
 
 constexpr int kMostThreads = 64;
-constexpr int kPartsOfThread = 2;  // a level's work lies in few bands; more have more to end across them, on one thread
+constexpr int kPartsOfThread = 8;  // a level's work lies in few bands
+constexpr int kMostParts = 128;
 
 }  // namespace
 
@@ -30,7 +31,7 @@ Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels
       gathered_(problem.num_nodes, 0),
       in_graph_(problem.num_nodes) {
   const auto is_free = [&](NodeIndex node) { return problem.fixed[node] == 0; };
-  const int num_parts = threads_ > 1 ? threads_ * kPartsOfThread : 1;
+  const int num_parts = threads_ > 1 ? std::min(threads_ * kPartsOfThread, kMostParts) : 1;
   if (num_parts > 1) part_of_ = BandsOf(problem, num_parts);
   parts_.resize(static_cast<std::size_t>(num_parts));
   for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].index = i;
@@ -133,8 +134,9 @@ void Expansion::BeginGraph() {
     part.first = bounds.back();
     bounds.push_back(part.first + static_cast<MaxFlow::Node>(part.movers.size()));
   }
+  num_movers_ = bounds.back();
   flow_.Reset(bounds, threads_);
-  terminal_.resize(bounds.back());
+  if (terminal_.size() < bounds.back()) terminal_.resize(bounds.back());  // not less, then more, and zeroed again
   ForParts([&](Part& part) {
     part.shares.clear();
     for (std::size_t i = 0; i < part.movers.size(); ++i) {
@@ -201,7 +203,7 @@ std::int64_t Expansion::Solve(const Move& move) {
     for (const Share& share : part.shares) terminal_[share.node] += share.weight;
   // Least E - E(keep all) = (sum of the negative linear coefficients) + maximum flow.
   std::int64_t delta = 0;
-  for (std::size_t i = 0; i < terminal_.size(); ++i) {
+  for (std::size_t i = 0; i < num_movers_; ++i) {
     if (terminal_[i] < 0) delta += terminal_[i];
     if (terminal_[i] != 0) flow_.AddTerminal(static_cast<MaxFlow::Node>(i), -terminal_[i]);
   }

@@ -27,9 +27,9 @@ namespace depthfarm {
 // Of all labellings of least energy in a move the one that changes fewest nodes is taken (the canonical cut), so the
 // result is a function of the problem alone. The graph holds the movers alone, and a move's work grows with them.
 //
-// On several threads (1 to 64) the nodes are cut into a few times as many bands (BandsOf), which are gathered, built
-// and cut side by side; then one thread ends the cut across bands (MaxFlow). Labels are the same on any number of
-// threads. Not thread-safe.
+// On several threads (1 to 64) the nodes are cut into several times as many bands (BandsOf), which are gathered and
+// built side by side, and as many ranges of bands cut so; then one thread ends the cut across ranges (MaxFlow). Labels
+// are the same on any number of threads. Not thread-safe.
 class Expansion {
  public:
   // `labels` holds the start (fixed nodes: their labels); free nodes must hold levels of the problem. Both must outlive
@@ -152,7 +152,8 @@ class Expansion {
   std::vector<std::uint32_t> moves_;     // per node: the last move in which it was a mover
   std::vector<std::uint32_t> gathered_;  // per node: the last move in which it was gathered
   std::vector<MaxFlow::Node> in_graph_;  // per node: its number in the graph, if it moves
-  std::vector<std::int64_t> terminal_;   // per mover: the linear coefficient of its x
+  MaxFlow::Node num_movers_ = 0;
+  std::vector<std::int64_t> terminal_;  // per mover: the linear coefficient of its x; only grows
   MaxFlow flow_;
   std::int64_t energy_ = 0;
 };

@@ -23,9 +23,11 @@ namespace depthfarm {
 // a maximum flow, the smallest of all minimum cuts, whatever the order of the edges. So what does not reach the sink is
 // pushed back to where it came from. Work: O(n^3); near linear on the graphs of expansion moves. Not thread-safe.
 //
-// In parts: the nodes are cut into ranges, each of which is solved without the arcs that leave it, so that threads can
-// do this side by side; then what is left is pushed over all arcs. A flow of a part is a flow of the whole, so that the
-// cut is the same for any parts. What is left has to cross: parts should have few arcs between them.
+// In parts: the nodes are cut into ranges, to which threads can add edges side by side. On several threads ranges that
+// follow each other and have about as many nodes are then solved side by side, without the arcs that leave them; in the
+// end what is left is pushed over all arcs. A flow of some nodes is a flow of all, so that the cut is the same for any
+// parts and threads. What is left in the end has to cross: parts should have few arcs between them, and most of them to
+// the next.
 class MaxFlow {
  public:
   using Node = std::uint32_t;
@@ -47,7 +49,7 @@ class MaxFlow {
     if (of.Holds(v)) {
       of.edges.push_back({u, v, capacity});
     } else {
-      of.crossing.push_back({.edge = {u, v, capacity}, .from_u = 0, .from_v = 0});
+      of.crossing[PartOf(v)].push_back({.edge = {u, v, capacity}, .from_u = 0, .from_v = 0});
     }
   }
   void AddEdge(Node u, Node v, std::int32_t capacity) { AddEdge(0, u, v, capacity); }
@@ -88,28 +90,44 @@ class MaxFlow {
     Arc from_v = 0;
   };
 
+  // What a node got from the source.
+  struct Supply {
+    Node node = 0;
+    std::int64_t amount = 0;
+  };
+
   struct Part {
     Node begin = 0;
     Node end = 0;
-    std::vector<Edge> edges;             // inside
-    std::vector<CrossingEdge> crossing;  // from a node of it to one of another part
+    std::vector<Edge> edges;                          // inside
+    std::vector<std::vector<CrossingEdge>> crossing;  // from a node of it to one of each other part
     Arc first_arc = 0;
     [[nodiscard]] bool Holds(Node node) const { return node >= begin && node < end; }
   };
   class Push;
 
+  [[nodiscard]] std::size_t PartOf(Node node) const;
   // Where each part's arcs begin.
   void PlaceParts();
-  void BuildArcs(Part& part);
-  // Tells the arcs between parts of each other.
-  void JoinParts();
+  void BuildArcs(std::size_t part_index);
+  // Tells the arcs from a part to others of each other.
+  void JoinToOthers(Part& part);
+  // Ranges of parts that are solved side by side: where each begins, and the end.
+  [[nodiscard]] std::vector<Node> CutForThreads(int threads) const;
+  // After all has been pushed: pushes what is left back to the nodes that got it from the source, until none has more
+  // than it got and the flow is a maximum one. Returns how much that is.
+  std::int64_t Return(std::span<const Node> cuts, int threads);
   void MarkSourceSide();
 
+  // These only grow, so that they are not zeroed anew for each problem.
+  Node num_nodes_ = 0;
   std::vector<NodeState> nodes_;  // and one more, whose `first` ends the arcs
-  std::vector<Part> parts_;
   std::vector<ArcState> arcs_;
   std::vector<Label> labels_;  // per node
   std::vector<Arc> place_;     // of BuildArcs, per node
+
+  std::vector<Part> parts_;
+  std::vector<std::vector<Supply>> supplies_;  // per range: nodes that had something left after paths of one arc
 };
 
 }  // namespace depthfarm

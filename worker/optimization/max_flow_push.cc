@@ -37,18 +37,6 @@ void MaxFlow::Push::GoOn() {
   PushAll();
 }
 
-std::int64_t MaxFlow::Push::Return(std::vector<Supply> supplies) {
-  // Nodes that have something yet are cut from the sink. Each keeps of it what it got itself; the rest goes to nodes
-  // that passed on what they got.
-  std::int64_t all = 0;
-  for (Node node = begin_; node < end_; ++node) all += std::max<std::int64_t>(nodes_[node].terminal, 0);
-  std::erase_if(supplies, [this](const Supply& supply) { return labels_[supply.node] != kCut; });
-  for (const Supply& supply : supplies) nodes_[supply.node].terminal -= supply.amount;
-  GoOn();
-  for (const Supply& supply : supplies) nodes_[supply.node].terminal += supply.amount;
-  return all;
-}
-
 void MaxFlow::Push::PushToNeighbours(Node node) {
   NodeState& from = nodes_[node];
   for (Arc a = from.first; a != EndOf(node) && from.terminal > 0; ++a) {

@@ -15,20 +15,11 @@ class MaxFlow::Push {
  public:
   Push(MaxFlow& graph, Node begin, Node end);
 
-  // What a node got from the source.
-  struct Supply {
-    Node node = 0;
-    std::int64_t amount = 0;
-  };
-
   // Pushes all that the source gives; returns how much that is. Sets `supplies` to the nodes that had something left
   // after paths of one arc, and how much.
   std::int64_t Start(std::vector<Supply>& supplies);
   // After Start, of this range or of parts of it: pushes what is left.
   void GoOn();
-  // After these: pushes what is left back to the nodes that got it from the source, until none has more than it got and
-  // the flow is a maximum one. Returns how much that is. `supplies`: of all the range.
-  std::int64_t Return(std::vector<Supply> supplies);
 
  private:
   static constexpr std::size_t kNodesAhead = 8;

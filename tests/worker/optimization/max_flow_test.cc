@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/cut_oracle.h"
@@ -146,7 +148,8 @@ TEST(MaxFlow, ResetForgetsTheProblemBefore) {
   EXPECT_TRUE(flow.InSourceSide(1));
 }
 
-// The same graph in parts of consecutive nodes: their flows differ, the canonical cut does not.
+// The same graph in parts of consecutive nodes, in ranges of parts on threads: their flows differ, the canonical cut
+// does not.
 TEST(MaxFlow, PartsOnAnyNumberOfThreadsFindTheSameCut) {
   MaxFlow whole;
   MaxFlow in_parts;
@@ -166,13 +169,14 @@ TEST(MaxFlow, PartsOnAnyNumberOfThreadsFindTheSameCut) {
                     static_cast<std::int32_t>(edge.forth));
     }
     const std::int64_t expected = whole.Solve();
-    for (const int parts : {2, 3, 5}) {
+    for (const auto& [parts, threads] : {std::pair(2, 2), {3, 2}, {5, 5}, {9, 3}, {4, 1}, {1, 2}}) {
+      SCOPED_TRACE(std::to_string(parts) + " parts, " + std::to_string(threads) + " threads");
       std::vector<MaxFlow::Node> bounds{0};  // ascending, some parts empty
       for (int i = 1; i < parts; ++i)
         bounds.push_back(
             static_cast<MaxFlow::Node>(random.Int(static_cast<int>(bounds.back()), static_cast<int>(nodes))));
       bounds.push_back(nodes);
-      in_parts.Reset(bounds, parts);
+      in_parts.Reset(bounds, threads);
       add_terminals(in_parts);
       for (const CutProblem::Edge& edge : problem.edges) {
         const auto u = static_cast<MaxFlow::Node>(edge.u);
@@ -180,9 +184,9 @@ TEST(MaxFlow, PartsOnAnyNumberOfThreadsFindTheSameCut) {
             static_cast<std::size_t>(std::upper_bound(bounds.begin(), bounds.end(), u) - bounds.begin() - 1);
         in_parts.AddEdge(part, u, static_cast<MaxFlow::Node>(edge.v), static_cast<std::int32_t>(edge.forth));
       }
-      ASSERT_EQ(in_parts.Solve(parts), expected) << parts << " parts";
+      ASSERT_EQ(in_parts.Solve(threads), expected);
       for (MaxFlow::Node i = 0; i < nodes; ++i)
-        ASSERT_EQ(in_parts.InSourceSide(i), whole.InSourceSide(i)) << parts << " parts, node " << i;
+        ASSERT_EQ(in_parts.InSourceSide(i), whole.InSourceSide(i)) << "node " << i;
     }
   }
 }
