@@ -160,9 +160,8 @@ std::string FormatPlan(const PlanReport& report) {
 
   text += "\ntasks, predicted for " + std::string(kCostMachine) + "\n" + FormatStages(forecast.stages);
   text +=
-      "  CPU     depends on what pictures show: rendered test scenes took about 0.8 times as long, photographs 0.9 to "
-      "2\n"
-      "          times. 'depthfarm bench' measures this machine.\n"
+      "  CPU     depends on what pictures show: rendered test scenes took about 0.8 times as long, photographs 0.8 to\n"
+      "          1.5 times. 'depthfarm bench' measures this machine.\n"
       "  memory  of a worker for the largest such task; it also keeps what it may need again, within its --memory\n"
       "  makes   artifacts as they are stored; emit: files\n"
       "  reads   artifacts, fetched or the worker's own\n";

@@ -6,61 +6,68 @@
 namespace depthfarm {
 namespace {
 
-// Where the constants come from: jobs of algorithm version 8 (P frames: 9) on one worker, CPU seconds by task as the
-// coordinator logs them, artifact sizes as stored, peak memory of a worker that started afresh. The scenes are arcs
-// that `depthfarm scene arc` renders: seed 301, 5 views of 640x480; 113, 5 of 1024x768; 117, 6 of 1920x1080; each by
-// default, the first one also with the presets best, fast and (320x240) paper, --level-blocks 4, --sweeps 1,
-// --neighbors 4, --confidence on and four frames. Figures in the tests of this file. Analyses and
-// refined views are stored with the label maps that came after (docs/benchmarks.md, Artifacts between workers).
+// Where the constants come from: jobs of algorithm version 10 on one worker, CPU seconds of the stages as reported,
+// peak memory of a worker that started afresh. The scenes are arcs that `depthfarm scene arc` renders: seed 301, 5
+// views of 640x480; 113, 5 of 1024x768; 117, 6 of 1920x1080; each by default, the first one also with the presets best,
+// fast and (320x240) paper, --level-blocks 4, --sweeps 1, --neighbors 4, --confidence on, --levels 25, one to four
+// --compared, one to four rounds, none to two of choice, and four frames. Figures in the tests of this file. Sizes of
+// artifacts are of version 8, with the label maps that came after (docs/benchmarks.md, Artifacts between workers).
 //
-// Photographs take longer where these scenes are easy: of four real sets (docs/benchmarks.md, Real sets) Estimate and
-// Refine together took 1.2 to 2.4 times as long as rendered scenes of the same sizes would. Predictions stand between.
+// Photographs take longer where these scenes are easy: of six real sets (docs/benchmarks.md, Predicted times) Refine
+// took 0.6 to 2 times as long as rendered scenes of the same sizes would, Estimate 1 to 2.5 times. Predictions stand
+// between.
 constexpr double kContent = 1.3;
 
 constexpr double kNano = 1e-9;
 constexpr double kMicro = 1e-6;
 
-// Analyse. Reading, digest and decoding are of the picture as it is, all else of the downscaled one: 230 to 290 ns a
+// Analyse. Reading, digest and decoding are of the picture as it is, all else of the downscaled one: 225 to 260 ns a
 // pixel together, where nothing is downscaled.
 constexpr double kDecodePixel = 25 * kNano;
-constexpr double kAnalysePixel = 235 * kNano;
+constexpr double kAnalysePixel = 220 * kNano;
 constexpr double kAnalysedShareOfPFrame = 0.45;  // segments of what stands still are kept
 
 // Estimate, a segment: what every part does anew, and what it does for each of its levels. Sparse: 34 to 250 levels in
-// one to four parts fit within 15 %. Where only each k-th level is tried first (SearchStep), the other levels cost no
-// more than kNearLevel: 5 views of 1920x1080, 100,000 segments and 250 levels, k = 3. Full: a sweep over 8 to 36
-// levels, and with every match in full (uniqueness 0) over 250.
-constexpr double kSparseSegment = 2.3 * kMicro;
-constexpr double kSparseLevel = 0.14 * kMicro;
-constexpr double kNearLevel = 0.025 * kMicro;
+// one to four parts fit within 15 %; of few levels each is for everybody, which photographs ask twice as much of as
+// scenes do: llff_fern and hci_antinous, 25 levels, 28 and 30 us a segment, arc 301 10 us. Where only each k-th level
+// is tried first (SearchStep), the other levels cost no more than kNearLevel: 5 views of 1920x1080, 100,000 segments
+// and 250 levels, k = 3. Full: a sweep over 8 levels, and with every match in full (uniqueness 0) over 250.
+constexpr double kSparseSegment = 3.0 * kMicro;
+constexpr double kSparseLevel = 0.105 * kMicro;
+constexpr double kFewLevels = 32;  // as in worker/optimization/level_search.cc
+constexpr double kFewLevel = 0.32 * kMicro;
+constexpr double kNearLevel = 0.031 * kMicro;
 constexpr double kMatchLevel = 0.02 * kMicro;  // for each neighbour
 constexpr double kFullSegment = 0.5 * kMicro;
-constexpr double kSweptLevel = 0.31 * kMicro;
-constexpr double kSweptLevelOfAllMatches = 0.5 * kMicro;
+constexpr double kSweptLevel = 0.39 * kMicro;
+constexpr double kSweptLevelOfAllMatches = 0.33 * kMicro;
 constexpr int kSweepsUntilNothingChanges = 6;  // measured with the preset paper
 
-// Merge, a segment: 0.9 us with 34 levels, 2.1 us with 250.
-constexpr double kMergeSegment = 0.7 * kMicro;
-constexpr double kMergeLevel = 5.5 * kNano;
+// Merge, a segment: 1.5 us with 34 levels, 2.7 us with 250.
+constexpr double kMergeSegment = 1.35 * kMicro;
+constexpr double kMergeLevel = 5 * kNano;
 
 // So much of an I frame's work a P frame's search takes, and each of its rounds of refinement: what moves has jumps
 // around it.
 constexpr double kChangedShare = 0.12;
-constexpr double kRefinedShare = 0.2;
+constexpr double kRefinedShare = 0.25;
 
-// Refine, a pixel and a view it is compared with. A round of choice looks closer at pixels near jumps; there are as
-// many as jumps are long, which grows with the root of the pixels.
+// Refine, a pixel: in each round, and more for each view it is compared with. A round of choice looks closer at pixels
+// near jumps; there are as many as jumps are long, which grows with the root of the pixels, and with fewer views to
+// compare with there are more: that takes hardly less time.
 constexpr double kStartPixel = 10 * kNano;
 constexpr double kStartPixelOfPFrame = 30 * kNano;
-constexpr double kRoundPixel = 36 * kNano;
-constexpr double kFirstRoundPixel = 12 * kNano;   // more: smoothed pictures, surfaces without texture
-constexpr double kChoicePixel = 23 * kNano;       // more, and as much for the view itself
-constexpr double kChoiceJumpPixel = 37 * kMicro;  // times the root of the pixels
-constexpr double kLaterChoice = 0.65;             // less is open after the first choice
+constexpr double kRoundPixel = 43 * kNano;
+constexpr double kRoundPixelOfCompared = 11.5 * kNano;
+constexpr double kFirstRoundPixel = 20 * kNano;  // more: smoothed pictures, surfaces without texture
+constexpr double kFirstRoundPixelOfCompared = 8 * kNano;
+constexpr double kChoicePixel = 53 * kNano;        // more
+constexpr double kChoiceJumpPixel = 141 * kMicro;  // times the root of the pixels
+constexpr double kLaterChoice = 0.82;              // less is open after the first choice
 
-constexpr double kAssessPixel = 125 * kNano;  // and a view it is compared with
-constexpr double kEmitPixel = 70 * kNano;
-constexpr double kEmitPixelOfLevels = 36 * kNano;  // depth of levels compresses better, with less work
+constexpr double kAssessPixel = 140 * kNano;  // and a view it is compared with
+constexpr double kEmitPixel = 34 * kNano;
+constexpr double kEmitPixelOfLevels = 16 * kNano;  // depth of levels compresses better, with less work
 constexpr double kFileSeconds = 0.8e-3;            // renamed into place; named in the manifest
 constexpr double kFileInManifest = 20 * kMicro;
 constexpr double kRenderPart = 1.5;  // a part of a rendering job (job_plan.h)
@@ -168,7 +175,8 @@ TaskCost CostModel::Estimate(bool i_frame) const {
   const bool sparse = params.search == Search::kSparse;
   const bool all_matches = params.uniqueness == 0;
   const int sweeps = params.max_sweeps > 0 ? params.max_sweeps : kSweepsUntilNothingChanges;
-  const double level = sparse ? kSparseLevel : sweeps * (all_matches ? kSweptLevelOfAllMatches : kSweptLevel);
+  const double sparse_level = tried <= kFewLevels ? kFewLevel : kSparseLevel;
+  const double level = sparse ? sparse_level : sweeps * (all_matches ? kSweptLevelOfAllMatches : kSweptLevel);
   const double segment = (sparse ? kSparseSegment : kFullSegment) + (level + kMatchLevel * neighbours) * tried +
                          (in_steps ? kNearLevel * levels : 0);
   const double nodes = segments_ * (i_frame ? 1 : kChangedShare);
@@ -208,10 +216,11 @@ TaskCost CostModel::Refine(bool i_frame, int round, const JobView& view) const {
                 kRefinedPixelStored * pixels + kStartSegmentStored * view.segments + kept);
   }
   const int first_choice = std::max(1, job_.params.refine_rounds - job_.params.choice_rounds + 1);
-  double seconds = (kRoundPixel + (round == 1 ? kFirstRoundPixel : 0)) * compared * pixels;
+  double seconds = (kRoundPixel + kRoundPixelOfCompared * compared) * pixels;
+  if (round == 1) seconds += (kFirstRoundPixel + kFirstRoundPixelOfCompared * compared) * pixels;
   if (round >= first_choice) {
     const double jumps = kChoicePixel * pixels + kChoiceJumpPixel * std::sqrt(pixels);
-    seconds += jumps * (compared + 1) * (round == first_choice ? 1 : kLaterChoice);
+    seconds += jumps * (round == first_choice ? 1 : kLaterChoice);
   }
   return Cost(kContent * seconds * (i_frame ? 1 : kRefinedShare), ComparedBytes(view) + kRefiningPixel * pixels,
               kRefinedPixelStored * pixels + kRefinedSegmentStored * view.segments + kept);

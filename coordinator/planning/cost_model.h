@@ -8,8 +8,8 @@
 
 namespace depthfarm {
 
-// The processor that predicted seconds are of: the one that docs/benchmarks.md was measured on.
-inline constexpr const char* kCostMachine = "one core of a server of the early 2020s (AMD EPYC), release build";
+// The processor that predicted seconds are of (docs/benchmarks.md, Predicted times).
+inline constexpr const char* kCostMachine = "one core of a server of the early 2020s (Intel Xeon), release build";
 
 // Memory of a worker process with its libraries, before it has any task.
 inline constexpr std::uint64_t kProcessMemoryBytes = std::uint64_t{52} << 20;

@@ -18,6 +18,15 @@ double Blend(double ratio, std::uint64_t tasks, double without) {
   return weight * ratio + (1 - weight) * without;
 }
 
+constexpr std::size_t kAnalyses = 0;
+constexpr std::size_t kLabels = 1;
+constexpr std::size_t kDepth = 2;
+
+std::size_t LinkOf(TaskKind kind) {
+  if (kind == TaskKind::kAnalyse) return kAnalyses;
+  return kind == TaskKind::kEstimate || kind == TaskKind::kMerge ? kLabels : kDepth;
+}
+
 // Tasks of a frame that follow each other are told apart by this; those alike in it run side by side.
 int StepOf(const TaskId& id) { return id.kind == TaskKind::kMerge || id.kind == TaskKind::kRefine ? id.index : 0; }
 
@@ -38,7 +47,7 @@ RemainingTime::RemainingTime(const JobPlan& plan, const CostModel& costs) : plan
     const std::size_t type = job.IsIFrame(id.frame) ? kIFrame : kPFrame;
     if (id.frame != (type == kIFrame ? 0 : 1)) continue;
     of_frame[type][static_cast<std::size_t>(id.kind)].total += cost;
-    of_frame_[type] += cost;
+    of_frame_[type][LinkOf(id.kind)] += cost;
     double& step = longest[type][{id.kind, StepOf(id)}];
     step = std::max(step, cost);
   }
@@ -57,10 +66,17 @@ RemainingTime::RemainingTime(const JobPlan& plan, const CostModel& costs) : plan
   }
 }
 
-double RemainingTime::GopSeconds(int gop) const {
-  const int begin = gop * plan_.resolved().params.gop;
-  const int frames = std::min(plan_.resolved().params.gop, plan_.resolved().num_frames - begin);
-  return of_frame_[plan_.resolved().IsIFrame(begin) ? kIFrame : kPFrame] + of_frame_[kPFrame] * (frames - 1);
+int RemainingTime::FramesOfGop(int gop) const {
+  const int frames = plan_.resolved().params.gop;
+  return std::min(frames, plan_.resolved().num_frames - gop * frames);
+}
+
+RemainingTime::LinksOfTypes RemainingTime::LinksOfGop(int gop) const {
+  const int i_frames = plan_.resolved().IsIFrame(gop * plan_.resolved().params.gop) ? 1 : 0;
+  LinksOfTypes seconds = of_frame_;
+  for (double& link : seconds[kIFrame]) link *= i_frames;
+  for (double& link : seconds[kPFrame]) link *= FramesOfGop(gop) - i_frames;
+  return seconds;
 }
 
 double RemainingTime::Cost(const TaskId& id) const { return costs_.Of(id).seconds + kGrantSeconds; }
@@ -82,7 +98,9 @@ std::optional<double> RemainingTime::SecondsOf(const TaskId& id) const {
 void RemainingTime::AddToGop(const TaskId& id, double seconds) {
   const bool of_job = id.kind == TaskKind::kPrepare || id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
   // Of a GOP that is over only what other GOPs need of it is done again.
-  if (!of_job && !closed_gops_.contains(plan_.GopOf(id.frame))) open_gops_[plan_.GopOf(id.frame)] += seconds;
+  if (of_job || closed_gops_.contains(plan_.GopOf(id.frame))) return;
+  const std::size_t type = plan_.resolved().IsIFrame(id.frame) ? kIFrame : kPFrame;
+  open_gops_[plan_.GopOf(id.frame)][type][LinkOf(id.kind)] += seconds;
 }
 
 void RemainingTime::Done(const TaskId& id) {
@@ -111,7 +129,7 @@ void RemainingTime::Close(int gop) {
 
 void RemainingTime::OpenAgain(int gop) {
   closed_gops_.erase(gop);
-  open_gops_.emplace(gop, GopSeconds(gop));
+  open_gops_.emplace(gop, LinksOfGop(gop));
 }
 
 double RemainingTime::RatioOfAll() const {
@@ -132,22 +150,34 @@ double RemainingTime::RatioOf(const Class& of, double of_all) const {
   return of.predicted > 0 ? Blend(of.measured / of.predicted, of.tasks_measured, of_all) : of_all;
 }
 
-double RemainingTime::ChainSeconds(double of_all) const {
-  const auto seconds = [&](std::size_t type, std::initializer_list<TaskKind> kinds) {
-    double sum = 0;
-    for (const TaskKind kind : kinds) {
-      const Class& of = classes_[type][static_cast<std::size_t>(kind)];
-      sum += of.of_chain * RatioOf(of, of_all);
+RemainingTime::LinksOfTypes RemainingTime::ChainOfFrame(double of_all) const {
+  LinksOfTypes chain{};
+  for (const std::size_t type : {kPFrame, kIFrame}) {
+    for (std::size_t kind = 0; kind < kNumTaskKinds; ++kind) {
+      const Class& of = classes_[type][kind];
+      chain[type][LinkOf(static_cast<TaskKind>(kind))] += of.of_chain * RatioOf(of, of_all);
     }
-    return sum;
+  }
+  return chain;
+}
+
+double RemainingTime::ChainLeft(int gop, const LinksOfTypes& done, const LinksOfTypes& chain) const {
+  const LinksOfTypes all = LinksOfGop(gop);
+  const auto left = [&](std::size_t type, std::size_t link) {
+    return all[type][link] > 0 ? std::clamp(1 - done[type][link] / all[type][link], 0.0, 1.0) : 0;
   };
-  using enum TaskKind;
-  // From frame to frame go analyses, labels and refined depth, each waiting for its like of the frame before.
-  const double of_p_frame =
-      std::max({seconds(kPFrame, {kAnalyse}), seconds(kPFrame, {kEstimate, kMerge}), seconds(kPFrame, {kRefine})});
-  const int p_frames = std::min(plan_.resolved().params.gop, plan_.resolved().num_frames) - 1;
-  return seconds(kIFrame, {kAnalyse, kEstimate, kMerge, kRefine, kAssess, kRender, kEmit, kCommit}) +
-         of_p_frame * p_frames;
+  const int p_frames = FramesOfGop(gop) - (plan_.resolved().IsIFrame(gop * plan_.resolved().params.gop) ? 1 : 0);
+  double longest = 0;
+  double i_frame = 0;
+  for (std::size_t link = 0; link < kLinks; ++link) {
+    i_frame += left(kIFrame, link) * chain[kIFrame][link];
+    // All P frames' tasks of this link, then the last one's of the others.
+    double p_links = left(kPFrame, link) * p_frames * chain[kPFrame][link];
+    if (p_links > 0)
+      for (std::size_t next = link + 1; next < kLinks; ++next) p_links += chain[kPFrame][next];
+    longest = std::max(longest, i_frame + p_links);
+  }
+  return longest;
 }
 
 std::optional<double> RemainingTime::Seconds(double slots, std::span<const TaskId> computing) const {
@@ -162,10 +192,12 @@ std::optional<double> RemainingTime::Seconds(double slots, std::span<const TaskI
   for (const TaskId& id : computing) {
     left -= 0.5 * Cost(id) * RatioOf(ClassOf(id), of_all);
   }
-  // Of the GOP of which most is left.
-  double share = static_cast<int>(closed_gops_.size() + open_gops_.size()) < plan_.num_gops() ? 1 : 0;
-  for (const auto& [gop, done] : open_gops_) share = std::max(share, std::min(1.0, 1 - done / GopSeconds(gop)));
-  return std::max({0.0, left / slots, share * ChainSeconds(of_all)});
+  const LinksOfTypes chain = ChainOfFrame(of_all);
+  double longest = 0;
+  // Of GOPs that have not begun the first is the longest, or as long.
+  if (static_cast<int>(closed_gops_.size() + open_gops_.size()) < plan_.num_gops()) longest = ChainLeft(0, {}, chain);
+  for (const auto& [gop, done] : open_gops_) longest = std::max(longest, ChainLeft(gop, done, chain));
+  return std::max(left / slots, longest);
 }
 
 }  // namespace depthfarm

@@ -54,6 +54,12 @@ class RemainingTime {
   };
   using Classes = std::array<std::array<Class, kNumTaskKinds>, 2>;  // P frames, I frames
 
+  // What goes from a frame to the next, each waiting for its like of the frame before, and within a frame for the one
+  // before it: analyses, labels, depth.
+  static constexpr std::size_t kLinks = 3;
+  using Links = std::array<double, kLinks>;   // seconds
+  using LinksOfTypes = std::array<Links, 2>;  // P frames, I frames
+
   [[nodiscard]] double Cost(const TaskId& id) const;
   [[nodiscard]] Class& ClassOf(const TaskId& id);
   [[nodiscard]] const Class& ClassOf(const TaskId& id) const;
@@ -61,15 +67,19 @@ class RemainingTime {
   // Measured to predicted.
   [[nodiscard]] double RatioOfAll() const;
   [[nodiscard]] double RatioOf(const Class& of, double of_all) const;
-  [[nodiscard]] double GopSeconds(int gop) const;
-  // Corrected seconds of the longest chain in a GOP of which nothing is done.
-  [[nodiscard]] double ChainSeconds(double of_all) const;
+  [[nodiscard]] int FramesOfGop(int gop) const;
+  // Predicted seconds of a GOP's frames.
+  [[nodiscard]] LinksOfTypes LinksOfGop(int gop) const;
+  // Corrected seconds of tasks of a frame that must follow each other.
+  [[nodiscard]] LinksOfTypes ChainOfFrame(double of_all) const;
+  // Of the longest chain in a GOP in which so much is done. `chain`: of a frame.
+  [[nodiscard]] double ChainLeft(int gop, const LinksOfTypes& done, const LinksOfTypes& chain) const;
 
   const JobPlan& plan_;
   const CostModel& costs_;
   Classes classes_;
-  std::array<double, 2> of_frame_{};  // predicted seconds of a P frame, an I frame
-  std::map<int, double> open_gops_;   // predicted seconds of what is done there
+  LinksOfTypes of_frame_{};                // predicted seconds of a frame
+  std::map<int, LinksOfTypes> open_gops_;  // of what is done there
   std::set<int> closed_gops_;
 };
 
