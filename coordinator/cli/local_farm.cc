@@ -88,14 +88,13 @@ Result<ChildProcess> LocalFarm::StartWorker(const std::string& name) const {
 
 LocalFarm::~LocalFarm() {
   for (Worker& worker : workers_) worker.process.Signal(SIGTERM);
-  if (coordinator_) coordinator_->Signal(SIGTERM);
   const auto deadline = std::chrono::steady_clock::now() + kStopGrace;
-  const auto left = [&] {
-    return std::max(std::chrono::milliseconds(1),
-                    std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()));
-  };
-  for (Worker& worker : workers_) worker.process.Stop(left());
-  if (coordinator_) coordinator_->Stop(left());
+  for (Worker& worker : workers_) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    worker.process.Stop(std::max(std::chrono::milliseconds(1), left));
+  }
+  // After them: a worker that cannot say goodbye waits half a second for somebody to say it to.
+  if (coordinator_) coordinator_->Stop(kStopGrace);
 }
 
 fs::path LocalFarm::LogOf(const std::string& name) const { return options_.log_dir / (name + ".log"); }

@@ -14,7 +14,7 @@ namespace {
 constexpr std::chrono::seconds kPlainLineInterval{5};
 
 // The end of a job is noticed late by a part of the time that it took, so that short ones end at once.
-constexpr int kPausesOfAll = 200;
+constexpr int kPausesOfAll = 50;
 constexpr std::chrono::milliseconds kLeastPause{5};
 
 }  // namespace
