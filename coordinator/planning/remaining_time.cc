@@ -21,10 +21,12 @@ double Blend(double ratio, std::uint64_t tasks, double without) {
 constexpr std::size_t kAnalyses = 0;
 constexpr std::size_t kLabels = 1;
 constexpr std::size_t kDepth = 2;
+constexpr std::size_t kFiles = 3;
 
 std::size_t LinkOf(TaskKind kind) {
   if (kind == TaskKind::kAnalyse) return kAnalyses;
-  return kind == TaskKind::kEstimate || kind == TaskKind::kMerge ? kLabels : kDepth;
+  if (kind == TaskKind::kEstimate || kind == TaskKind::kMerge) return kLabels;
+  return kind == TaskKind::kRefine ? kDepth : kFiles;
 }
 
 // Tasks of a frame that follow each other are told apart by this; those alike in it run side by side.
@@ -171,8 +173,8 @@ double RemainingTime::ChainLeft(int gop, const LinksOfTypes& done, const LinksOf
   double i_frame = 0;
   for (std::size_t link = 0; link < kLinks; ++link) {
     i_frame += left(kIFrame, link) * chain[kIFrame][link];
-    // All P frames' tasks of this link, then the last one's of the others.
-    double p_links = left(kPFrame, link) * p_frames * chain[kPFrame][link];
+    // All P frames' tasks of this link, or the last one's files, then the last one's of the others.
+    double p_links = left(kPFrame, link) * chain[kPFrame][link] * (link == kFiles ? 1 : p_frames);
     if (p_links > 0)
       for (std::size_t next = link + 1; next < kLinks; ++next) p_links += chain[kPFrame][next];
     longest = std::max(longest, i_frame + p_links);

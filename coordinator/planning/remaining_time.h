@@ -38,8 +38,8 @@ class RemainingTime {
   [[nodiscard]] std::optional<double> SecondsOf(const TaskId& id) const;
 
   // From now on, if the job has `slots` slots (of a share of the farm: also less than one) as long as it has work for
-  // them: the tasks that are left, of those that compute now half, spread over the slots; no less than the longest
-  // chain of tasks in a GOP takes. Nothing while fewer than three tasks were measured, or without slots.
+  // them: the tasks that are left, of those that compute now half, spread over the slots; no less than what is left
+  // of the longest chain of tasks in a GOP takes. Nothing while fewer than three tasks were measured, or without slots.
   [[nodiscard]] std::optional<double> Seconds(double slots, std::span<const TaskId> computing) const;
 
  private:
@@ -54,9 +54,9 @@ class RemainingTime {
   };
   using Classes = std::array<std::array<Class, kNumTaskKinds>, 2>;  // P frames, I frames
 
-  // What goes from a frame to the next, each waiting for its like of the frame before, and within a frame for the one
-  // before it: analyses, labels, depth.
-  static constexpr std::size_t kLinks = 3;
+  // What a frame is made of, each waiting for the one before it: analyses, labels, depth, files. All but files also
+  // wait for their like of the frame before.
+  static constexpr std::size_t kLinks = 4;
   using Links = std::array<double, kLinks>;   // seconds
   using LinksOfTypes = std::array<Links, 2>;  // P frames, I frames
 

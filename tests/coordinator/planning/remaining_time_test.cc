@@ -129,6 +129,12 @@ TEST(RemainingTime, IsRightForAChainThatLeavesSlotsIdle) {
   for (const double share : {0.3, 0.7}) EXPECT_NEAR(play.ErrorAt(share), 1, 0.25) << share;
 }
 
+// Confidence takes long, and no frame waits for that of another.
+TEST(RemainingTime, IsRightForAChainBesideTasksThatNoneWaitsFor) {
+  const Play play(LargeJob({.frames = 20, .gop = 20, .views = 2, .refine = 4, .confidence = true}), 16, kTwice);
+  for (const double share : {0.3, 0.7}) EXPECT_NEAR(play.ErrorAt(share), 1, 0.25) << share;
+}
+
 TEST(RemainingTime, CorrectsKindsAndFramesOfEachTypeByTheirOwn) {
   const Seconds actual = [](const TaskId& id, double predicted) {
     if (id.kind == TaskKind::kRefine) return (id.frame % 6 == 0 ? 1.5 : 5) * predicted;
