@@ -55,13 +55,13 @@ class Network : public DisturbedJob {
       return there.ok() && there->size() == workers;
     });
   }
-  // How attempts of a job's tasks ended, other than well or because the scheduler found them a better place.
+  // How attempts of a job's tasks ended, other than well or because a duplicate elsewhere was faster.
   [[nodiscard]] std::set<std::string> Mishaps(std::uint64_t job) {
     const Outcome told = Depthfarm(Words{"logs", std::to_string(job), "--json"} + farm_->Options());
     const nlohmann::json logs = ParseJsonTail(told.output);
     std::set<std::string> mishaps;
     for (const nlohmann::json& attempt : logs.at("attempts")) mishaps.insert(attempt.at("outcome"));
-    for (const char* ended_well : {"done", "overtaken", "given back", "revoked"}) mishaps.erase(ended_well);
+    for (const char* ended_well : {"done", "overtaken"}) mishaps.erase(ended_well);
     return mishaps;
   }
   // Times that the worker of a host has said Hello.
