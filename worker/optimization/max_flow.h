@@ -119,8 +119,8 @@ class MaxFlow {
   std::int64_t Return(std::span<const Node> cuts, int threads);
   void MarkSourceSide();
 
-  // These only grow, so that they are not zeroed anew for each problem.
   Node num_nodes_ = 0;
+  // These only grow, so that they are not zeroed anew for each problem.
   std::vector<NodeState> nodes_;  // and one more, whose `first` ends the arcs
   std::vector<ArcState> arcs_;
   std::vector<Label> labels_;  // per node
