@@ -55,13 +55,19 @@ class Network : public DisturbedJob {
       return there.ok() && there->size() == workers;
     });
   }
-  // How attempts of a job's tasks ended, other than well or because a duplicate elsewhere was faster.
+  // How attempts of a job's tasks ended, other than well, because a duplicate elsewhere was faster, or given back by a
+  // worker that was asked for them. (What is given back unasked is a grant that never arrived.)
   [[nodiscard]] std::set<std::string> Mishaps(std::uint64_t job) {
     const Outcome told = Depthfarm(Words{"logs", std::to_string(job), "--json"} + farm_->Options());
     const nlohmann::json logs = ParseJsonTail(told.output);
-    std::set<std::string> mishaps;
-    for (const nlohmann::json& attempt : logs.at("attempts")) mishaps.insert(attempt.at("outcome"));
+    std::multiset<std::string> ends;
+    for (const nlohmann::json& attempt : logs.at("attempts")) ends.insert(attempt.at("outcome"));
+    std::size_t asked_for = 0;
+    for (int host = 1; host <= kWorkers; ++host)
+      asked_for += static_cast<std::size_t>(Count(farm_->LogOf(host - 1), " given_back=true"));
+    std::set<std::string> mishaps(ends.begin(), ends.end());
     for (const char* ended_well : {"done", "overtaken"}) mishaps.erase(ended_well);
+    if (ends.count("given back") == asked_for) mishaps.erase("given back");
     return mishaps;
   }
   // Times that the worker of a host has said Hello.
