@@ -1,5 +1,7 @@
 #include "common/media/image_codec.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <new>
@@ -11,6 +13,20 @@ namespace depthfarm {
 namespace {
 
 constexpr std::string_view kJpegStart = "\xff\xd8\xff";
+
+using std::string_view_literals::operator""sv;  // some hold a zero
+
+// OpenCV reads these from memory. What else it knows by its content it, or GDAL for it, reads from a copy in the folder
+// for temporary files, which stays there when such a file is damaged; and none of it has samples that are taken.
+constexpr std::array kStarts{"\x89PNG\r\n\x1a\n"sv,        kJpegStart,          "II*\0"sv, "MM\0*"sv, "BM"sv,
+                             "\0\0\0\x0cjP  \r\n\x87\n"sv, "\xff\x4f\xff\x51"sv};
+
+bool IsOfKnownKind(std::string_view bytes) {
+  if (bytes.starts_with("RIFF") && bytes.substr(std::min<std::size_t>(bytes.size(), 8)).starts_with("WEBP"))
+    return true;
+  if (bytes.size() > 2 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6') return true;  // PBM, PGM, PPM
+  return std::ranges::any_of(kStarts, [&](std::string_view start) { return bytes.starts_with(start); });
+}
 
 std::uint8_t ByteAt(std::string_view bytes, std::size_t position) { return static_cast<std::uint8_t>(bytes[position]); }
 
@@ -101,6 +117,10 @@ Result<cv::Mat> DecodeImage(std::string_view bytes) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
     return InvalidArgument("holds " + std::to_string(bytes.size()) + " bytes, expected less than 2 GiB");
   }
+  if (!IsOfKnownKind(bytes)) {
+    return InvalidArgument(
+        "cannot be decoded: begins like no PNG, JPEG, TIFF, BMP, PBM, PGM, PPM, WebP or JPEG 2000 file");
+  }
   if (bytes.starts_with(kJpegStart) && !IsCompleteJpeg(bytes)) {
     return InvalidArgument("is a JPEG file that ends early, after " + std::to_string(bytes.size()) + " bytes");
   }
@@ -110,8 +130,7 @@ Result<cv::Mat> DecodeImage(std::string_view bytes) {
     const BoundedAllocator::Bound bound(kMostBytesOfSmall + kMostExpansion * bytes.size());
     cv::Mat image = cv::imdecode(wrapped, cv::IMREAD_UNCHANGED);
     if (image.empty()) {
-      return InvalidArgument("cannot be decoded: damaged, cut short or of a kind that is not supported (" +
-                             std::to_string(bytes.size()) + " bytes)");
+      return InvalidArgument("cannot be decoded: damaged or cut short (" + std::to_string(bytes.size()) + " bytes)");
     }
     const bool unsigned_samples = image.depth() == CV_8U || image.depth() == CV_16U;
     const bool known_channels = image.channels() == 1 || image.channels() == 3 || image.channels() == 4;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
@@ -190,8 +192,31 @@ TEST(ToRgb, UndoesTheConversionUpToRounding) {
   }
 }
 
+// OpenCV would write them to a file first, and leave that when they are damaged.
+TEST(DecodeImage, LeavesNoFileBehind) {
+  const TemporaryFolder folder;
+  setenv("OPENCV_TEMP_PATH", folder.path().c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
+  const std::string grid_of_numbers = "NITF02.10" + std::string(400, '0');
+  for (const std::string& other :
+       {std::string("Pf\n5294 120602\n-1\n0123"), std::string("Pf\n1 1\n-1\n0123"), std::string("PF\n1 1\n-1\n0123"),
+        std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 9999 +X 9999\n"),
+        std::string("\x76\x2f\x31\x01\2\0\0\0", 8), std::string("\x59\xa6\x6a\x95\0\1\0\0", 8), grid_of_numbers,
+        std::string("P7\nWIDTH 1\n"), std::string("P")}) {
+    const auto grey = DecodeGrey(other);
+    EXPECT_EQ(grey.status().code(), ErrorCode::kInvalidArgument) << other;
+    EXPECT_THAT(grey.status().message(), HasSubstr("begins like no PNG")) << other;
+  }
+  for (const std::string extension : {".png", ".jpg", ".tiff", ".bmp", ".pbm", ".pgm", ".ppm", ".webp", ".jp2"}) {
+    const int type = extension == ".pbm" || extension == ".pgm" ? CV_8UC1 : CV_8UC3;
+    const std::string bytes = Encoded(extension, cv::Mat(64, 64, type, cv::Scalar(9, 9, 9)));
+    EXPECT_TRUE(DecodeImage(bytes).ok()) << extension << " " << DecodeImage(bytes).status().message();
+    EXPECT_FALSE(DecodeImage(bytes.substr(0, 11)).ok()) << extension;
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(DecodeImage, TakesNoMemoryForPixelsThatAFileCannotHold) {
-  for (const char* header : {"P5 30000 30000 255\n", "P6 32000 32000 65535\n", "Pf\n5294 120602\n-1\n"}) {
+  for (const char* header : {"P5 30000 30000 255\n", "P6 32000 32000 65535\n"}) {
     const auto grey = DecodeGrey(std::string(header) + "0123456789");
     EXPECT_EQ(grey.status().code(), ErrorCode::kInvalidArgument) << header;
     EXPECT_THAT(grey.status().message(), HasSubstr("bytes cannot hold")) << header;
