@@ -14,16 +14,13 @@
 
 #include "common/base/parallel.h"
 #include "worker/refinement/colour_weight.h"
+#include "worker/refinement/jump_band.h"
 #include "worker/refinement/known_costs.h"
 #include "worker/refinement/patch_cost.h"
 
 namespace depthfarm {
 namespace {
 
-constexpr double kJump = 0.5;       // pixels of u between neighbours: a depth jump
-constexpr double kHighestJump = 8;  // the bound is raised to find fewer, but not beyond
-constexpr double kMaxBand = 0.25;   // of the picture, before the bound is raised
-constexpr int kBand = 4;            // pixels to either side of a jump
 constexpr int kReach = 2;           // candidates come from as far, in each pass
 constexpr int kMostPasses = 40;     // usually nothing is left to do before; two choices may swap for ever
 constexpr double kDistinct = 0.15;  // pixels of u between candidates
@@ -48,42 +45,12 @@ struct Rows {
   int bottom = 0;
 };
 
-// Of the square around (x0, y0) what is in `rows`.
-void MarkAround(int x0, int y0, int radius, const Rows& rows, Grid<std::uint8_t>& marked) {
-  for (int y = std::max(rows.top, y0 - radius); y <= std::min(rows.bottom - 1, y0 + radius); ++y)
-    for (int x = std::max(0, x0 - radius); x <= std::min(marked.width() - 1, x0 + radius); ++x) marked(x, y) = 1;
-}
-
-// Of `rows`.
-void MarkNearJumps(const InverseDepthMap& map, double jump, const Rows& rows, Grid<std::uint8_t>& band) {
-  for (int y = std::max(0, rows.top - kBand); y < std::min(map.height(), rows.bottom + kBand); ++y) {
-    for (int x = 0; x < map.width(); ++x) {
-      if ((x + 1 < map.width() && std::abs(map(x, y) - map(x + 1, y)) > jump) ||
-          (y + 1 < map.height() && std::abs(map(x, y) - map(x, y + 1)) > jump))
-        MarkAround(x, y, kBand, rows, band);
-    }
-  }
-}
-
-Grid<std::uint8_t> JumpBand(const InverseDepthMap& map, int threads) {
-  const int num_pieces = std::max(1, std::min(threads, map.height()));
-  for (double jump = kJump;; jump *= 2) {
-    Grid<std::uint8_t> band(map.width(), map.height());
-    ParallelFor(static_cast<std::size_t>(num_pieces), threads, [&](std::size_t i) {
-      const auto piece = static_cast<int>(i);
-      MarkNearJumps(map, jump, {map.height() * piece / num_pieces, map.height() * (piece + 1) / num_pieces}, band);
-    });
-    const auto marked = std::count(band.values().begin(), band.values().end(), 1);
-    if (2 * jump > kHighestJump || static_cast<double>(marked) <= kMaxBand * static_cast<double>(band.size()))
-      return band;
-  }
-}
-
 // A plane that a pixel may take.
 struct Candidate {
   double u = 0;  // here
+  double cost = 0;
   PlaneIndex plane = 0;
-  KnownCosts::Entry cost = 0;  // of the band's
+  KnownCosts::Entry entry = 0;  // of the cost, in the band's
 };
 
 // A pixel with more than one candidate; the first is the plane that it has.
@@ -154,25 +121,29 @@ class Surroundings {
   // is Whole.
   std::size_t CandidatesAt(int x, int y, std::uint32_t others,
                            std::array<Candidate, kMaxCandidates>& candidates) const {
-    std::array<PlaneIndex, 1 + kNumWays> seen{};  // candidates and what is like one
-    std::size_t num_seen = 0;
     std::size_t count = 0;
     const auto offer = [&](PlaneIndex plane) {
-      for (std::size_t i = 0; i < num_seen; ++i)
-        if (seen[i] == plane) return;
-      seen[num_seen++] = plane;
       const double u = view_.planes[plane].At(x, y);
       for (std::size_t i = 0; i < count; ++i)
         if (std::abs(candidates[i].u - u) <= kDistinct) return;
-      candidates[count++] = {.u = u, .plane = plane, .cost = 0};
+      candidates[count++] = {.u = u, .cost = 0, .plane = plane, .entry = 0};
     };
     const Grid<PlaneIndex>& planes = view_.plane_of_pixel;
     const PlaneIndex* const here = planes.row(y) + x;
     offer(*here);
     if (Whole(x, y)) {
-      for (; others != 0 && count < kMaxCandidates; others &= others - 1) offer(here[ways_[std::countr_zero(others)]]);
+      std::array<PlaneIndex, kNumWays> there{};
+      for (std::size_t way = 0; way < kNumWays; ++way) there[way] = here[ways_[way]];
+      while (others != 0 && count < kMaxCandidates) {
+        const PlaneIndex plane = there[static_cast<std::size_t>(std::countr_zero(others))];
+        std::uint32_t same = 0;
+        for (std::size_t way = 0; way < kNumWays; ++way) same |= there[way] == plane ? 1U << way : 0U;
+        others &= ~same;
+        offer(plane);
+      }
       return count;
     }
+    // A plane that is offered again is like itself.
     for (int d = 1; d <= kReach; ++d) {
       for (const auto& [dx, dy] : kEightDirections)
         if (count < kMaxCandidates && planes.Contains(x + d * dx, y + d * dy)) offer(planes(x + d * dx, y + d * dy));
@@ -187,7 +158,8 @@ class Surroundings {
   std::array<std::ptrdiff_t, kNumWays> ways_{};  // to the pixels around, in the order in which they are asked
 };
 
-// Sets the costs of the band's entries from `first` on. Plane by plane and row by row, as PatchCost asks for.
+// Sets the costs of the band's entries from `first` on, and of the candidates that have them. Plane by plane and row by
+// row, as PatchCost asks for.
 void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, Band& band, const std::stop_token& stop) {
   KnownCosts& known = band.known;
   if (first == known.size()) return;
@@ -213,6 +185,8 @@ void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, Band
     cost.Costs(view.planes[plane], pixels, costs);
     for (std::size_t i = 0; i < costs.size(); ++i) known.Set(by_plane[begin + i], costs[i]);
   }
+  for (Candidate& candidate : band.choices.candidates)
+    if (candidate.entry >= first) candidate.cost = known[candidate.entry].value;
 }
 
 // What decides between the planes of a pixel.
@@ -221,35 +195,40 @@ class Chooser {
   Chooser(const YcbcrImage& own, const Grid<SegmentIndex>& segments, const PriorField* prior)
       : own_(own), segments_(segments), prior_(prior) {}
 
-  [[nodiscard]] PlaneIndex Best(const RefinedView& view, const Choice& choice, std::span<const Candidate> candidates,
-                                const KnownCosts& known) const {
-    std::array<double, kMaxCandidates> costs{};
-    for (std::size_t i = 0; i < candidates.size(); ++i) costs[i] = known[candidates[i].cost].value;
-    if (prior_ != nullptr) AddPrior(choice, candidates, costs);
-    for (const auto& [dx, dy] : kFourNeighbours) {
-      const int x = choice.x + dx;
-      const int y = choice.y + dy;
+  [[nodiscard]] PlaneIndex Best(const RefinedView& view, const Choice& choice,
+                                std::span<const Candidate> candidates) const {
+    // Of the four neighbours, side by side; one out of the picture has no link.
+    std::array<double, 4> links{};
+    std::array<double, 4> beside{};
+    for (std::size_t i = 0; i < kFourNeighbours.size(); ++i) {
+      const int x = choice.x + kFourNeighbours[i].first;
+      const int y = choice.y + kFourNeighbours[i].second;
       if (!own_.Contains(x, y)) continue;
-      const double link = kPairCost * ColourWeight(own_(choice.x, choice.y), own_(x, y));
-      const double beside = view.At(x, y);
-      for (std::size_t i = 0; i < candidates.size(); ++i)
-        costs[i] += link * std::min(1.0, std::abs(beside - candidates[i].u) / kPairScale);
+      links[i] = kPairCost * ColourWeight(own_(choice.x, choice.y), own_(x, y));
+      beside[i] = view.At(x, y);
     }
     std::size_t best = 0;
-    for (std::size_t i = 1; i < candidates.size(); ++i)
-      if (costs[i] < costs[best]) best = i;
+    double least = 0;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      double cost = candidates[i].cost;
+      if (prior_ != nullptr) cost += PriorCost(choice, candidates[i]);
+      std::array<double, 4> apart{};
+      for (std::size_t n = 0; n < apart.size(); ++n) apart[n] = std::abs(beside[n] - candidates[i].u) / kPairScale;
+      for (std::size_t n = 0; n < apart.size(); ++n) cost += links[n] * std::min(apart[n], 1.0);
+      if (i != 0 && cost >= least) continue;
+      best = i;
+      least = cost;
+    }
     return candidates[best].plane;
   }
 
  private:
-  // What the prior has against each plane, where it says something.
-  void AddPrior(const Choice& choice, std::span<const Candidate> candidates,
-                std::array<double, kMaxCandidates>& costs) const {
+  // What the prior has against a plane, where it says something.
+  [[nodiscard]] double PriorCost(const Choice& choice, const Candidate& candidate) const {
     const std::optional<double> u = prior_->At(choice.x, choice.y);
-    if (!u) return;
+    if (!u) return 0;
     const double weight = kPriorCost * prior_->trust[segments_(choice.x, choice.y)];
-    for (std::size_t i = 0; i < candidates.size(); ++i)
-      costs[i] += weight * std::min(1.0, std::abs(candidates[i].u - *u) / kPriorScale);
+    return weight * std::min(1.0, std::abs(candidate.u - *u) / kPriorScale);
   }
 
   const YcbcrImage& own_;
@@ -281,7 +260,8 @@ void FindChoices(const Grid<std::uint8_t>& marked, const Grid<SegmentIndex>& seg
                            .first = static_cast<std::uint32_t>(choices.candidates.size()),
                            .count = static_cast<std::uint32_t>(count)});
     for (Candidate& candidate : std::span(candidates).first(count)) {
-      candidate.cost = band.known.EntryOf(x, y - band.rows.top, candidate.plane);
+      candidate.entry = band.known.EntryOf(x, y - band.rows.top, candidate.plane);
+      candidate.cost = band.known[candidate.entry].value;
       choices.candidates.push_back(candidate);
     }
   };
@@ -311,7 +291,7 @@ void Sweep(const Chooser& chooser, std::span<const Band> bands, Grid<std::uint8_
     if (stale(choice.x, choice.y) == 0) return;
     stale(choice.x, choice.y) = 0;
     PlaneIndex& now = view.plane_of_pixel(choice.x, choice.y);
-    const PlaneIndex best = chooser.Best(view, choice, band.choices.Of(choice), band.known);
+    const PlaneIndex best = chooser.Best(view, choice, band.choices.Of(choice));
     if (best == now) return;
     now = best;
     for (const auto& [dx, dy] : kFourNeighbours)
@@ -323,13 +303,19 @@ void Sweep(const Chooser& chooser, std::span<const Band> bands, Grid<std::uint8_
   }
 }
 
+// Of the square around (x0, y0) what is in the picture.
+void MarkAround(int x0, int y0, int radius, Grid<std::uint8_t>& marked) {
+  for (int y = std::max(0, y0 - radius); y <= std::min(marked.height() - 1, y0 + radius); ++y)
+    for (int x = std::max(0, x0 - radius); x <= std::min(marked.width() - 1, x0 + radius); ++x) marked(x, y) = 1;
+}
+
 // Marks the pixels that may have got another candidate: those near one that has another plane than it had.
 void MarkNearChanges(std::span<const Band> bands, const RefinedView& view, Grid<std::uint8_t>& near) {
   std::fill(near.values().begin(), near.values().end(), std::uint8_t{0});
   for (const Band& band : bands) {
     for (const Choice& choice : band.choices.all) {
       if (view.plane_of_pixel(choice.x, choice.y) != band.choices.candidates[choice.first].plane)
-        MarkAround(choice.x, choice.y, kReach, {0, near.height()}, near);
+        MarkAround(choice.x, choice.y, kReach, near);
     }
   }
 }
