@@ -63,7 +63,8 @@ class MaxFlow {
 
  private:
   using Arc = std::uint32_t;  // index
-  // Arcs on the way to the nearest node with capacity to the sink, or fewer; or one of the three below.
+  // Arcs on the way to the nearest node with capacity to the sink, or fewer, but 0 for these alone; or one of the three
+  // below.
   using Label = std::int32_t;
   static constexpr Label kUnknown = std::numeric_limits<Label>::max();  // while labels are found
   static constexpr Label kCut = kUnknown - 1;                           // no way to the sink, now and ever

@@ -30,7 +30,7 @@ std::int64_t MaxFlow::Push::Start(std::vector<Supply>& supplies) {
 void MaxFlow::Push::GoOn() {
   queue_.clear();
   for (Node node = begin_; node < end_; ++node) {
-    labels_[node] = 0;
+    labels_[node] = nodes_[node].terminal < 0 ? 0 : 1;
     nodes_[node].current = nodes_[node].first;
     if (nodes_[node].terminal > 0) queue_.push_back(node);
   }
@@ -64,6 +64,12 @@ void MaxFlow::Push::PushAll() {
   }
 }
 
+bool MaxFlow::Push::IsNextToSink(Node node) const {
+  for (Arc a = nodes_[node].first; a != EndOf(node); ++a)
+    if (arcs_[a].residual != 0 && Sees(arcs_[a].head) && labels_[arcs_[a].head] == 0) return true;
+  return false;
+}
+
 void MaxFlow::Push::FindLabels(std::size_t begin) {
   queue_.erase(queue_.begin(), queue_.begin() + static_cast<std::ptrdiff_t>(begin));
   region_ = queue_;
@@ -77,18 +83,16 @@ void MaxFlow::Push::FindLabels(std::size_t begin) {
     const Arc end = EndOf(node);
     nodes_[node].current = first;
     arcs_of_region_ += end - first;
-    bool is_at_sink = false;
+    if (IsNextToSink(node)) {
+      labelled_.push_back(node);
+      continue;
+    }
     for (Arc a = first; a != end; ++a) {
       const Node other = arcs_[a].head;
       if (arcs_[a].residual == 0 || !Sees(other) || labels_[other] >= kCut) continue;
-      if (nodes_[other].terminal < 0) {
-        is_at_sink = true;
-      } else {
-        labels_[other] = kUnknown;
-        region_.push_back(other);
-      }
+      labels_[other] = kUnknown;
+      region_.push_back(other);
     }
-    if (is_at_sink) labelled_.push_back(node);
   }
   // From the sink back, a step at a time.
   for (const Node node : labelled_) labels_[node] = 1;
@@ -119,8 +123,10 @@ void MaxFlow::Push::Discharge(Node node) {
     const auto amount = static_cast<std::int32_t>(std::min<std::int64_t>(from.terminal, arc.residual));
     arc.residual -= amount;
     arcs_[arc.reverse].residual += amount;
-    if (to.terminal <= 0 && to.terminal + amount > 0) queue_.push_back(arc.head);
+    const std::int64_t before = to.terminal;
     to.terminal += amount;
+    if (before < 0 && to.terminal >= 0) labels_[arc.head] = 1;
+    if (before <= 0 && to.terminal > 0) queue_.push_back(arc.head);
     from.terminal -= amount;
     if (from.terminal == 0) return;
   }

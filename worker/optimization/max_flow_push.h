@@ -29,8 +29,11 @@ class MaxFlow::Push {
   void PushToNeighbours(Node node);
   // Until nothing that nodes of the queue have has a way to the sink.
   void PushAll();
-  // Finds the labels of all nodes that what the queue has from `begin` on can come to before it meets the sink, and
-  // leaves those of the queue that have a way. Work: of these nodes alone.
+  // Whether it has a way of one arc to a node that takes something.
+  [[nodiscard]] bool IsNextToSink(Node node) const;
+  // Finds the labels of all nodes that what the queue has from `begin` on comes to on its ways to the sink, and leaves
+  // those of the queue that have a way. Work: of these nodes alone. Behind one that is next to the sink nodes keep the
+  // labels they have, which are never too large: most of what comes there goes no farther.
   void FindLabels(std::size_t begin);
   // Pushes what the node has, until it has nothing or gets another label.
   void Discharge(Node node);
