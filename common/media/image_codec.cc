@@ -14,12 +14,23 @@ namespace {
 
 constexpr std::string_view kJpegStart = "\xff\xd8\xff";
 
-using std::string_view_literals::operator""sv;  // some hold a zero
+// With the zeros that it holds.
+template <std::size_t kSize>
+constexpr std::string_view Start(const char (&text)[kSize]) {
+  return {text, kSize - 1};
+}
 
 // OpenCV reads these from memory. What else it knows by its content it, or GDAL for it, reads from a copy in the folder
 // for temporary files, which stays there when such a file is damaged; and none of it has samples that are taken.
-constexpr std::array kStarts{"\x89PNG\r\n\x1a\n"sv,        kJpegStart,          "II*\0"sv, "MM\0*"sv, "BM"sv,
-                             "\0\0\0\x0cjP  \r\n\x87\n"sv, "\xff\x4f\xff\x51"sv};
+constexpr std::array kStarts{Start("\x89PNG\r\n\x1a\n"),
+                             kJpegStart,
+                             Start("II*\0"),
+                             Start("MM\0*"),
+                             Start("II+\0"),
+                             Start("MM\0+"),
+                             Start("BM"),
+                             Start("\0\0\0\x0cjP  \r\n\x87\n"),
+                             Start("\xff\x4f\xff\x51")};
 
 bool IsOfKnownKind(std::string_view bytes) {
   if (bytes.starts_with("RIFF") && bytes.substr(std::min<std::size_t>(bytes.size(), 8)).starts_with("WEBP"))

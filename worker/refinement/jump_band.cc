@@ -26,7 +26,7 @@ void MarkNearInRow(const InverseDepthMap& map, float jump, int y, std::vector<st
   for (std::size_t x = 0; x + 1 < width; ++x) {
     const bool across = std::abs(here[x] - here[x + 1]) > jump;
     const bool down = std::abs(here[x] - below[x]) > jump;
-    jumps[x] = across | down ? 1 : 0;
+    jumps[x] = (across | down) ? 1 : 0;
   }
   jumps[width - 1] = std::abs(here[width - 1] - below[width - 1]) > jump ? 1 : 0;
   // There are few: the next one is looked for.

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -11,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/little_endian.h"
 #include "common/media/colour_map.h"
 #include "common/media/grey_picture.h"
 #include "common/media/image_codec.h"
@@ -190,6 +193,48 @@ TEST(ToRgb, UndoesTheConversionUpToRounding) {
       EXPECT_NEAR(rgb(x, y).b, pixel[0], 2);
     }
   }
+}
+
+// 16 x 16 grey pixels of 7 in one strip, with offsets of 64 bits.
+std::string BigTiff() {
+  constexpr std::uint64_t kPixels = 256;
+  struct Tag {
+    std::uint16_t tag;
+    std::uint16_t type;  // 3, 4, 16: of 16, 32, 64 bits
+    std::uint64_t value;
+  };
+  constexpr std::uint64_t kDirectory = 16;
+  constexpr std::size_t kTags = 9;
+  constexpr std::uint64_t kData = kDirectory + 8 + kTags * 20 + 8;
+  const std::array<Tag, kTags> tags{{{256, 4, 16},
+                                     {257, 4, 16},
+                                     {258, 3, 8},
+                                     {259, 3, 1},
+                                     {262, 3, 1},
+                                     {273, 16, kData},
+                                     {277, 3, 1},
+                                     {278, 4, 16},
+                                     {279, 16, kPixels}}};
+  std::string bytes("II+\0\10\0\0\0", 8);
+  AppendU64(kDirectory, bytes);
+  AppendU64(kTags, bytes);
+  for (const Tag& tag : tags) {
+    for (const std::uint16_t half : {tag.tag, tag.type}) {
+      bytes.push_back(static_cast<char>(half & 0xff));
+      bytes.push_back(static_cast<char>(half >> 8));
+    }
+    AppendU64(1, bytes);
+    AppendU64(tag.value, bytes);
+  }
+  AppendU64(0, bytes);
+  return bytes + std::string(kPixels, '\7');
+}
+
+TEST(DecodeImage, TakesTiffsOf64Bits) {
+  const auto grey = DecodeGrey(BigTiff());
+  ASSERT_TRUE(grey.ok()) << grey.status().message();
+  EXPECT_EQ(grey->values.width(), 16);
+  EXPECT_EQ(grey->values(15, 15), 7);
 }
 
 // OpenCV would write them to a file first, and leave that when they are damaged.
