@@ -10,13 +10,12 @@
 
 namespace depthfarm {
 
-// Gives each pixel near a depth jump the one of the planes around it whose colours fit the other views best, so that
-// depth edges follow the picture's and not the segments'. Pass by pass planes spread from pixel to pixel, along a rod
-// that most of its segments have missed, until nothing changes. Pixels of kept segments (`segments` names them) stay as
-// they are; `map` is view.Map(). Where more than a quarter of the picture is near jumps (a thicket), only the higher
-// ones count: those above 1, 2, 4, at most 8 pixels of u. A prior (null: none) speaks for the plane nearest to it. Ends
-// early, with some pixels not chosen, once `stop` is requested. Threads find and weigh the planes, each in bands of
-// rows; choosing, where a pixel asks those before it, is one thread's.
+// Gives each pixel near a depth jump (JumpBand) the one of the planes around it whose colours fit the other views best,
+// so that depth edges follow the picture's and not the segments'. Pass by pass planes spread from pixel to pixel, along
+// a rod that most of its segments have missed, until nothing changes. Pixels of kept segments (`segments` names them)
+// stay as they are; `map` is view.Map(). A prior (null: none) speaks for the plane nearest to it. Ends early, with some
+// pixels not chosen, once `stop` is requested. Threads find and weigh the planes, each in bands of rows; choosing,
+// where a pixel asks those before it, is one thread's.
 void ChoosePlanes(const YcbcrImage& own, const Grid<SegmentIndex>& segments, const InverseDepthMap& map,
                   std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
                   const std::stop_token& stop = {}, int threads = 1);
