@@ -178,8 +178,8 @@ void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, Band
     const PlaneIndex plane = known[by_plane[begin]].plane;
     pixels.clear();
     for (; end < by_plane.size() && known[by_plane[end]].plane == plane; ++end) {
-      const KnownCosts::Cost& of = known[by_plane[end]];
-      pixels.push_back({of.x, band.rows.top + of.y});
+      const KnownCosts::Place place = known.PlaceOf(by_plane[end]);
+      pixels.push_back({place.x, band.rows.top + place.y});
     }
     costs.resize(pixels.size());
     cost.Costs(view.planes[plane], pixels, costs);

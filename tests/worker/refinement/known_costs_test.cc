@@ -27,8 +27,8 @@ TEST(KnownCosts, EntriesAreInTheOrderInWhichTheyWereAskedFor) {
   KnownCosts known(4, 3);
   for (PlaneIndex plane = 0; plane < 5; ++plane) EXPECT_EQ(known.EntryOf(3, 2, 4 - plane), plane);
   EXPECT_EQ(known[2].plane, 2);
-  EXPECT_EQ(known[2].x, 3);
-  EXPECT_EQ(known[2].y, 2);
+  EXPECT_EQ(known.PlaceOf(2).x, 3);
+  EXPECT_EQ(known.PlaceOf(2).y, 2);
 }
 
 }  // namespace
