@@ -207,11 +207,13 @@ class Chooser {
       links[i] = kPairCost * ColourWeight(own_(choice.x, choice.y), own_(x, y));
       beside[i] = view.At(x, y);
     }
+    const std::optional<double> prior = prior_ != nullptr ? prior_->At(choice.x, choice.y) : std::nullopt;
+    const double trusted = prior ? kPriorCost * prior_->trust[segments_(choice.x, choice.y)] : 0;
     std::size_t best = 0;
     double least = 0;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       double cost = candidates[i].cost;
-      if (prior_ != nullptr) cost += PriorCost(choice, candidates[i]);
+      if (prior) cost += trusted * std::min(1.0, std::abs(candidates[i].u - *prior) / kPriorScale);
       std::array<double, 4> apart{};
       for (std::size_t n = 0; n < apart.size(); ++n) apart[n] = std::abs(beside[n] - candidates[i].u) / kPairScale;
       for (std::size_t n = 0; n < apart.size(); ++n) cost += links[n] * std::min(apart[n], 1.0);
@@ -223,14 +225,6 @@ class Chooser {
   }
 
  private:
-  // What the prior has against a plane, where it says something.
-  [[nodiscard]] double PriorCost(const Choice& choice, const Candidate& candidate) const {
-    const std::optional<double> u = prior_->At(choice.x, choice.y);
-    if (!u) return 0;
-    const double weight = kPriorCost * prior_->trust[segments_(choice.x, choice.y)];
-    return weight * std::min(1.0, std::abs(candidate.u - *u) / kPriorScale);
-  }
-
   const YcbcrImage& own_;
   const Grid<SegmentIndex>& segments_;
   const PriorField* prior_;

@@ -11,7 +11,8 @@ namespace depthfarm {
 // A smooth texture over the plane, in pixels of the first view.
 inline Ycbcr TextureAt(double x, double y) {
   const double value = 128 + 40 * std::sin(0.31 * x) + 35 * std::cos(0.23 * y + 0.2 * x);
-  return {static_cast<std::uint8_t>(value + 0.5), static_cast<std::uint8_t>(100 + 0.2 * value + 0.5), 128, 0};
+  return {static_cast<std::uint8_t>(std::lround(value)), static_cast<std::uint8_t>(std::lround(100 + 0.2 * value)), 128,
+          0};
 }
 
 // Two views side by side of a wall at a constant u: what is at (x, y) in the first is at (x - u, y) in the second,
