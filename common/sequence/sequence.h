@@ -13,7 +13,7 @@ namespace depthfarm {
 // How one picture file holds its samples.
 struct PictureFormat {
   enum class Kind {
-    kImage,   // PNG, JPEG, TIFF, BMP, PBM, PGM, PPM, WebP, JPEG 2000
+    kImage,   // of a kind that DecodeImage takes (common/media/image_codec.h)
     kYuv420,  // planar Y, Cb, Cr without a header, chroma of half width and height (rounded up)
     kYuv400,  // a Y plane without a header
   };

@@ -30,9 +30,9 @@ constexpr double kAnalysedShareOfPFrame = 0.45;  // segments of what stands stil
 // Estimate, a segment: what every part does anew, and what it does for each of its levels. Sparse: 34 to 250 levels in
 // one to four parts fit within 15 %; of few levels each is for everybody, which photographs ask twice as much of as
 // scenes do (llff_fern and hci_antinous, 25 levels, 28 and 30 us a segment, arc 301 10 us), so that 33 levels take less
-// than 32. Where only each k-th level
-// is tried first (SearchStep), the other levels cost no more than kNearLevel: 5 views of 1920x1080, 100,000 segments
-// and 250 levels, k = 3. Full: a sweep over 8 levels, and with every match in full (uniqueness 0) over 250.
+// than 32. Where only each k-th level is tried first (SearchStep), the other levels cost no more than kNearLevel: 5
+// views of 1920x1080, 100,000 segments and 250 levels, k = 3. Full: a sweep over 8 levels, and with every match in full
+// (uniqueness 0) over 250.
 constexpr double kSparseSegment = 3.0 * kMicro;
 constexpr double kSparseLevel = 0.105 * kMicro;
 constexpr double kFewLevels = 32;  // as in worker/optimization/level_search.cc

@@ -16,8 +16,8 @@ namespace depthfarm {
 // side by side.
 //
 // In an expansion move nearly all nodes have a capacity to the sink themselves, so that what is pushed rarely goes far:
-// ways are only looked for where there is something to push, and end where they meet such a node. Where they do not,
-// as on large surfaces without texture, augmenting paths would be many and long, and bring little each.
+// ways are only looked for where there is something to push, and end next to such a node. Where there is none near, as
+// on large surfaces without texture, augmenting paths would be many and long, and bring little each.
 //
 // The cut is canonical: the source side is exactly the set of nodes reachable from the source in the residual graph of
 // a maximum flow, the smallest of all minimum cuts, whatever the order of the edges. So what does not reach the sink is

@@ -241,11 +241,11 @@ TEST(DecodeImage, TakesTiffsOf64Bits) {
 TEST(DecodeImage, LeavesNoFileBehind) {
   const TemporaryFolder folder;
   setenv("OPENCV_TEMP_PATH", folder.path().c_str(), 1);  // NOLINT(concurrency-mt-unsafe): one thread
-  const std::string grid_of_numbers = "NITF02.10" + std::string(400, '0');
+  const std::string nitf = "NITF02.10" + std::string(400, '0');
   for (const std::string& other :
        {std::string("Pf\n5294 120602\n-1\n0123"), std::string("Pf\n1 1\n-1\n0123"), std::string("PF\n1 1\n-1\n0123"),
         std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 9999 +X 9999\n"),
-        std::string("\x76\x2f\x31\x01\2\0\0\0", 8), std::string("\x59\xa6\x6a\x95\0\1\0\0", 8), grid_of_numbers,
+        std::string("\x76\x2f\x31\x01\2\0\0\0", 8), std::string("\x59\xa6\x6a\x95\0\1\0\0", 8), nitf,
         std::string("P7\nWIDTH 1\n"), std::string("P")}) {
     const auto grey = DecodeGrey(other);
     EXPECT_EQ(grey.status().code(), ErrorCode::kInvalidArgument) << other;
@@ -257,6 +257,7 @@ TEST(DecodeImage, LeavesNoFileBehind) {
     EXPECT_TRUE(DecodeImage(bytes).ok()) << extension << " " << DecodeImage(bytes).status().message();
     EXPECT_FALSE(DecodeImage(bytes.substr(0, 11)).ok()) << extension;
   }
+  unsetenv("OPENCV_TEMP_PATH");  // NOLINT(concurrency-mt-unsafe): same
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
