@@ -211,6 +211,7 @@ class PlainChoice {
 };
 
 TEST(ChoosePlanes, IsTheChoiceWrittenOutOnAnyThreads) {
+  std::array<int, 2> changed{};  // pixels, without and with a prior
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     test::Random random(seed);
     const int width = random.Int(2, 50);
@@ -242,12 +243,17 @@ TEST(ChoosePlanes, IsTheChoiceWrittenOutOnAnyThreads) {
     const std::vector<OtherView> others{views.Other(false)};
     RefinedView plain = start;
     PlainChoice(views.own, segments, others[0], said, plain).Choose(map);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        changed[said != nullptr ? 1 : 0] += plain.plane_of_pixel(x, y) != start.plane_of_pixel(x, y) ? 1 : 0;
     for (const int threads : {1, 3}) {
       RefinedView chosen = start;
       ChoosePlanes(views.own, segments, map, others, said, chosen, {}, threads);
       EXPECT_EQ(chosen.plane_of_pixel, plain.plane_of_pixel) << "seed " << seed << ", " << threads << " threads";
     }
   }
+  EXPECT_GT(changed[0], 100);
+  EXPECT_GT(changed[1], 100);
 }
 
 }  // namespace
