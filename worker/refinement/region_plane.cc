@@ -26,10 +26,13 @@ constexpr std::size_t kManyPixels = 8000;  // of a region k times as large every
 constexpr double kSupports = 0.35;         // pixels of u: a segment of the rim lies on a plane
 constexpr double kLeastSupport = 0.05;     // of the rim
 constexpr double kAsGood = 0.2;            // of misfit for each segment of the rim
-constexpr double kMostUnseen = 0.5;        // of the region
+constexpr double kMostUnseen = 0.5;        // of the judged pixels
 constexpr double kPlate = 0.9;             // of the region on one plane
 constexpr double kLeastSaid = 0.5;         // of the region, by a prior
 constexpr std::size_t kFewestForFit = 4;
+// How often the plane through the rim is moved by kDistinct, nearer and farther. The rim is on levels about a pixel
+// apart, so that plane may be half a pixel off; but a pixel behind the rim is what that hides.
+constexpr int kMoves = 4;
 constexpr double kFitUnit = 100;   // pixels
 constexpr double kFitRidge = 0.1;  // towards no slope, where a rim is nearly a line; of the weights, per unit
 
@@ -42,12 +45,20 @@ double FarSide(std::vector<double>& values) {
   return *far;
 }
 
+constexpr float kUnseen = -1;
+
+// How a depth of the region fits the other views.
+struct Judgement {
+  std::vector<float> misfits;  // of each judged pixel the mean over the views that see it; kUnseen: none does
+  double cost = 0;             // mean of those seen, times the region's pixels
+  double unseen = 0;           // share of the judged
+};
+
 struct Candidate {
   SlantedPlane plane;
   double u = 0;             // at the region's centre
   std::size_t support = 0;  // segments of the rim that lie on it
-  double cost = 0;          // misfits of the region's pixels, summed
-  std::size_t unseen = 0;   // pixels that no other view sees
+  Judgement fit;
 };
 
 // What a region takes.
@@ -74,13 +85,14 @@ class Decision {
     pixels_ = AwayFromOccluders(OfItsColour(std::move(pixels)));
     if (pixels_.size() < kFewestPixels) return std::nullopt;
     std::vector<Candidate> candidates = Candidates();
-    for (Candidate& candidate : candidates) Judge(candidate);
+    for (Candidate& candidate : candidates)
+      candidate.fit = Judge([&](int x, int y) { return candidate.plane.At(x, y); });
     const Candidate* chosen = Choose(candidates);
-    const double current = CurrentCost();
-    if (TakesPrior(chosen == nullptr ? current : std::min(current, chosen->cost)))
-      return Choice{.prior = true, .plane = {}};
+    const Judgement current = Judge([this](int x, int y) { return view_.At(x, y); });
+    const bool keeps = chosen == nullptr || Excess(current, chosen->fit) <= 0;
+    if (TakesPrior(keeps ? current : chosen->fit)) return Choice{.prior = true, .plane = {}};
     if (chosen == nullptr) return std::nullopt;
-    if (!IsPlate() && current <= chosen->cost + Tolerance()) return std::nullopt;
+    if (!IsPlate() && Excess(current, chosen->fit) <= Tolerance()) return std::nullopt;
     return Choice{.prior = false, .plane = chosen->plane};
   }
 
@@ -123,15 +135,21 @@ class Decision {
   // The planes on and behind the rim, one through the rim's far side, and those that the region has.
   [[nodiscard]] std::vector<Candidate> Candidates() const {
     std::vector<Candidate> candidates;
+    const auto add = [&](const SlantedPlane& plane) {
+      candidates.push_back({.plane = plane, .u = plane.At(center_x_, center_y_), .support = 0, .fit = {}});
+    };
     const auto offer = [&](const SlantedPlane& plane) {
       const double u = plane.At(center_x_, center_y_);
       const auto close = [&](const Candidate& other) { return std::abs(other.u - u) < kDistinct; };
-      if (std::none_of(candidates.begin(), candidates.end(), close)) candidates.push_back({.plane = plane, .u = u});
+      if (std::none_of(candidates.begin(), candidates.end(), close)) add(plane);
     };
     for (const SegmentIndex t : region_.rim) offer(view_.planes[t]);
     for (const SegmentIndex t : region_.behind) offer(view_.planes[t]);
     for (const SegmentIndex s : region_.segments) offer(view_.planes[s]);
-    if (const auto fit = FitToRim()) candidates.push_back({.plane = *fit, .u = fit->At(center_x_, center_y_)});
+    if (const auto fit = FitToRim()) {
+      for (int move = -kMoves; move <= kMoves; ++move)
+        add({fit->a, fit->b, static_cast<float>(fit->c + move * kDistinct)});
+    }
     for (Candidate& candidate : candidates) {
       for (const SegmentIndex t : region_.rim) {
         const double gap = CentreDepth(candidate.plane, segments_.centers[t]) - DepthOf(t);
@@ -184,10 +202,11 @@ class Decision {
 
   [[nodiscard]] std::size_t Step() const { return std::max<std::size_t>(1, pixels_.size() / kManyPixels); }
 
-  // Calls `use` for each pixel that is judged, in their order, with its mean misfit over the views that see it; nullopt
-  // where none does. `depth_at`: u of a pixel.
-  template <typename Depth, typename Use>
-  void JudgeEach(const Depth& depth_at, const Use& use) const {
+  // `depth_at`: u of a pixel.
+  template <typename Depth>
+  [[nodiscard]] Judgement Judge(const Depth& depth_at) const {
+    Judgement judgement;
+    double seen = 0;
     PixelList list;
     ListOf<double> misfits;
     ListOf<double> sums;
@@ -210,39 +229,31 @@ class Decision {
           ++views[i];
         }
       }
-      for (std::size_t i = 0; i < list.count; ++i)
-        use(views[i] == 0 ? std::nullopt : std::optional<double>(sums[i] / views[i]));
+      for (std::size_t i = 0; i < list.count; ++i) {
+        judgement.misfits.push_back(views[i] == 0 ? kUnseen : static_cast<float>(sums[i] / views[i]));
+        if (views[i] == 0) continue;
+        judgement.cost += sums[i] / views[i];
+        ++seen;
+      }
     }
-  }
-
-  void Judge(Candidate& candidate) const {
-    const auto add = [&](const std::optional<double>& misfit) {
-      candidate.cost += misfit.value_or(0);
-      candidate.unseen += misfit ? 0 : 1;
-    };
-    JudgeEach([&](int x, int y) { return candidate.plane.At(x, y); }, add);
     // Else the plane that moves most of the region out of sight would cost least.
-    const auto judged = static_cast<double>((pixels_.size() + Step() - 1) / Step());
-    const double seen = judged - static_cast<double>(candidate.unseen);
-    if (seen > 0) candidate.cost *= judged / seen;
-    candidate.cost *= static_cast<double>(Step());
-    candidate.unseen *= Step();
+    if (seen > 0) judgement.cost *= static_cast<double>(pixels_.size()) / seen;
+    judgement.unseen = 1 - seen / static_cast<double>(judgement.misfits.size());
+    return judgement;
   }
 
-  // `depth_at`: u of a pixel.
-  template <typename Depth>
-  [[nodiscard]] double CostOf(const Depth& depth_at) const {
-    double cost = 0;
-    JudgeEach(depth_at, [&](const std::optional<double>& misfit) { cost += misfit.value_or(0); });
-    return cost * static_cast<double>(Step());
+  // How much worse `a` fits than `b`, by the pixels that are seen on both: the one that is farther may be hidden where
+  // it does not fit. Misfits of the region, summed.
+  [[nodiscard]] double Excess(const Judgement& a, const Judgement& b) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.misfits.size(); ++i) {
+      if (a.misfits[i] != kUnseen && b.misfits[i] != kUnseen) sum += double{a.misfits[i]} - double{b.misfits[i]};
+    }
+    return sum * static_cast<double>(Step());
   }
 
-  [[nodiscard]] double CurrentCost() const {
-    return CostOf([this](int x, int y) { return view_.At(x, y); });
-  }
-
-  // Whether the prior is to be preferred to what costs `best`.
-  [[nodiscard]] bool TakesPrior(double best) const {
+  // Whether the prior is to be preferred to `best`.
+  [[nodiscard]] bool TakesPrior(const Judgement& best) const {
     if (prior_ == nullptr) return false;
     std::size_t says = 0;
     double trust = 0;
@@ -252,28 +263,27 @@ class Decision {
     }
     const auto count = static_cast<double>(region_.segments.size());
     if (static_cast<double>(says) < kLeastSaid * count) return false;
-    const double cost = CostOf([this](int x, int y) {
+    const Judgement fit = Judge([this](int x, int y) {
       const SegmentIndex s = segments_.labels(x, y);
       return prior_->Says(s) ? prior_->planes[s].At(x, y) : view_.At(x, y);
     });
-    return trust / count >= kTrusted ? cost <= best + Tolerance() : cost < best - Tolerance();
+    return trust / count >= kTrusted ? Excess(fit, best) <= Tolerance() : Excess(best, fit) > Tolerance();
   }
 
   [[nodiscard]] const Candidate* Choose(std::vector<Candidate>& candidates) const {
-    const auto possible = [&](const Candidate& c) {
-      return static_cast<double>(c.unseen) < kMostUnseen * static_cast<double>(pixels_.size());
-    };
+    const auto possible = [](const Candidate& c) { return c.fit.unseen < kMostUnseen; };
     std::stable_sort(candidates.begin(), candidates.end(),
                      [](const Candidate& a, const Candidate& b) { return a.u < b.u; });
     const Candidate* best = nullptr;
     for (const Candidate& c : candidates)
-      if (possible(c) && (best == nullptr || c.cost < best->cost)) best = &c;
+      if (possible(c) && (best == nullptr || c.fit.cost < best->fit.cost)) best = &c;
     if (best == nullptr) return nullptr;
     const Candidate* chosen = nullptr;
     for (const Candidate& c : candidates) {
       const bool supported = static_cast<double>(c.support) >= kLeastSupport * static_cast<double>(region_.rim.size());
-      if (!possible(c) || c.cost > best->cost + Tolerance() || !supported) continue;
-      if (chosen == nullptr || (c.u <= chosen->u + kNearer && c.support > chosen->support)) chosen = &c;
+      if (!possible(c) || Excess(c.fit, best->fit) > Tolerance() || !supported) continue;
+      const auto rank = [](const Candidate& of) { return std::pair(of.support, -of.fit.cost); };
+      if (chosen == nullptr || (c.u <= chosen->u + kNearer && rank(c) > rank(*chosen))) chosen = &c;
     }
     return chosen != nullptr ? chosen : best;
   }

@@ -50,6 +50,39 @@ TEST(DecidePlainRegions, ABoardBehindARodDoesNotTakeItsDepth) {
   EXPECT_GT(board, 60);
 }
 
+// The cut knows the wall on levels alone, here above and below where it is.
+TEST(DecidePlainRegions, ABoardOnAWallThatIsBetweenTwoLevelsIsBetweenThemToo) {
+  const PlainScene scene(PlainScene::kWall);
+  RefinedView view = scene.View(3);
+  for (SegmentIndex s = 0; s < view.num_segments(); ++s) {
+    const auto [x, y] = scene.segments.centers[s];
+    if (!PlainScene::OnBoard(x, y)) view.planes[s].c = s % 4 == 0 ? 3.45F : 4.45F;
+  }
+  ExpectBoardAt(scene, Decided(scene, view), PlainScene::kWall);
+}
+
+// From the other side there is a shadow along one edge of the board: it does not fit where it is, and farther away the
+// wall would hide what does not fit.
+TEST(DecidePlainRegions, WhatIsHiddenOnOneOfTwoPlanesSpeaksForNeither) {
+  constexpr int kEdge = 4;  // pixels
+  PlainScene scene(PlainScene::kWall);
+  const auto on_board = [](int x, int y) { return PlainScene::OnBoard(x + PlainScene::kWall, y); };
+  YcbcrImage& colours = scene.colours.front();
+  InverseDepthMap& map = scene.maps.front();
+  for (int y = 0; y < PlainScene::kHeight; ++y) {
+    for (int x = 0; x < PlainScene::kWidth; ++x) {
+      const bool at_right = !on_board(x + kEdge, y);
+      if (on_board(x, y) && at_right) colours(x, y).y -= 70;
+      if (at_right || !on_board(x - kEdge, y) || !on_board(x, y - kEdge) || !on_board(x, y + kEdge))
+        map(x, y) = PlainScene::kWall;
+    }
+  }
+  RefinedView view = scene.View(2);
+  const std::vector<PlainRegion> regions = FindPlainRegions(scene.segments, scene.Plain(), view);
+  DecidePlainRegions(scene.picture, scene.segments, regions, std::vector{scene.Others().front()}, nullptr, view);
+  ExpectBoardAt(scene, view, PlainScene::kWall);
+}
+
 TEST(DecidePlainRegions, KeptSegmentsStay) {
   const PlainScene scene(PlainScene::kWall);
   RefinedView view = scene.View(2);
