@@ -85,9 +85,8 @@ class Decision {
     pixels_ = AwayFromOccluders(OfItsColour(std::move(pixels)));
     if (pixels_.size() < kFewestPixels) return std::nullopt;
     std::vector<Candidate> candidates = Candidates();
-    for (Candidate& candidate : candidates)
-      candidate.fit = Judge([&](int x, int y) { return candidate.plane.At(x, y); });
-    const Candidate* chosen = Choose(candidates);
+    const Candidate* best = JudgeAll(candidates);
+    const Candidate* chosen = best == nullptr ? nullptr : &Choose(candidates, *best);
     const Judgement current = Judge([this](int x, int y) { return view_.At(x, y); });
     const bool keeps = chosen == nullptr || Excess(current, chosen->fit) <= 0;
     if (TakesPrior(keeps ? current : chosen->fit)) return Choice{.prior = true, .plane = {}};
@@ -132,7 +131,8 @@ class Decision {
     return pixels;
   }
 
-  // The planes on and behind the rim, one through the rim's far side, and those that the region has.
+  // The planes on and behind the rim, some near the one through the rim's far side, and those that the region has; the
+  // farthest first.
   [[nodiscard]] std::vector<Candidate> Candidates() const {
     std::vector<Candidate> candidates;
     const auto add = [&](const SlantedPlane& plane) {
@@ -156,6 +156,8 @@ class Decision {
         candidate.support += std::abs(gap) < kSupports ? 1 : 0;
       }
     }
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.u < b.u; });
     return candidates;
   }
 
@@ -270,22 +272,32 @@ class Decision {
     return trust / count >= kTrusted ? Excess(fit, best) <= Tolerance() : Excess(best, fit) > Tolerance();
   }
 
-  [[nodiscard]] const Candidate* Choose(std::vector<Candidate>& candidates) const {
-    const auto possible = [](const Candidate& c) { return c.fit.unseen < kMostUnseen; };
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.u < b.u; });
-    const Candidate* best = nullptr;
-    for (const Candidate& c : candidates)
-      if (possible(c) && (best == nullptr || c.fit.cost < best->fit.cost)) best = &c;
-    if (best == nullptr) return nullptr;
+  [[nodiscard]] bool IsSupported(const Candidate& c) const {
+    return static_cast<double>(c.support) >= kLeastSupport * static_cast<double>(region_.rim.size());
+  }
+  [[nodiscard]] static bool IsPossible(const Candidate& c) { return c.fit.unseen < kMostUnseen; }
+
+  // Returns the possible one of least cost, the farthest of several; null: none is possible. Only its misfits and those
+  // of supported ones, of which there are few, are kept: of a rim with many depths there may be a thousand candidates.
+  const Candidate* JudgeAll(std::vector<Candidate>& candidates) const {
+    Candidate* best = nullptr;
+    for (Candidate& c : candidates) {
+      c.fit = Judge([&](int x, int y) { return c.plane.At(x, y); });
+      Candidate* other = &c;
+      if (IsPossible(c) && (best == nullptr || c.fit.cost < best->fit.cost)) other = std::exchange(best, &c);
+      if (other != nullptr && !IsSupported(*other)) other->fit.misfits = {};
+    }
+    return best;
+  }
+
+  [[nodiscard]] const Candidate& Choose(const std::vector<Candidate>& candidates, const Candidate& best) const {
     const Candidate* chosen = nullptr;
     for (const Candidate& c : candidates) {
-      const bool supported = static_cast<double>(c.support) >= kLeastSupport * static_cast<double>(region_.rim.size());
-      if (!possible(c) || Excess(c.fit, best->fit) > Tolerance() || !supported) continue;
+      if (!IsPossible(c) || !IsSupported(c) || Excess(c.fit, best.fit) > Tolerance()) continue;
       const auto rank = [](const Candidate& of) { return std::pair(of.support, -of.fit.cost); };
       if (chosen == nullptr || (c.u <= chosen->u + kNearer && rank(c) > rank(*chosen))) chosen = &c;
     }
-    return chosen != nullptr ? chosen : best;
+    return chosen != nullptr ? *chosen : best;
   }
 
   [[nodiscard]] bool IsPlate() const {
