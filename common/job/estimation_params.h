@@ -10,7 +10,7 @@
 namespace depthfarm {
 
 // Any change that can change a depth map raises this number: jobs pin it, artifacts are named by it.
-inline constexpr std::uint32_t kAlgorithmVersion = 11;
+inline constexpr std::uint32_t kAlgorithmVersion = 12;
 
 // How depth levels are spread over the n tasks of a frame (paper IV-A, Fig. 2).
 enum class Partition {

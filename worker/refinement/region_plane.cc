@@ -49,7 +49,7 @@ constexpr float kUnseen = -1;
 
 // How a depth of the region fits the other views.
 struct Judgement {
-  std::vector<float> misfits;  // of each judged pixel the mean over the views that see it; kUnseen: none does
+  std::vector<float> misfits;  // [judged pixel][other view]; kUnseen: that view does not see it
   double cost = 0;             // mean of those seen, times the region's pixels
   double unseen = 0;           // share of the judged
 };
@@ -208,6 +208,7 @@ class Decision {
   template <typename Depth>
   [[nodiscard]] Judgement Judge(const Depth& depth_at) const {
     Judgement judgement;
+    double judged = 0;
     double seen = 0;
     PixelList list;
     ListOf<double> misfits;
@@ -223,16 +224,19 @@ class Decision {
       });
       sums.fill(0);
       views.fill(0);
-      for (const OtherView& other : others_) {
-        Misfits(other, list, misfits);
+      const std::size_t first = judgement.misfits.size();
+      judgement.misfits.resize(first + list.count * others_.size(), kUnseen);
+      for (std::size_t view = 0; view < others_.size(); ++view) {
+        Misfits(others_[view], list, misfits);
         for (std::size_t i = 0; i < list.count; ++i) {
           if (misfits[i] == kNotSeen) continue;
+          judgement.misfits[first + i * others_.size() + view] = static_cast<float>(misfits[i]);
           sums[i] += misfits[i];
           ++views[i];
         }
       }
+      judged += static_cast<double>(list.count);
       for (std::size_t i = 0; i < list.count; ++i) {
-        judgement.misfits.push_back(views[i] == 0 ? kUnseen : static_cast<float>(sums[i] / views[i]));
         if (views[i] == 0) continue;
         judgement.cost += sums[i] / views[i];
         ++seen;
@@ -240,7 +244,7 @@ class Decision {
     }
     // Else the plane that moves most of the region out of sight would cost least.
     if (seen > 0) judgement.cost *= static_cast<double>(pixels_.size()) / seen;
-    judgement.unseen = 1 - seen / static_cast<double>(judgement.misfits.size());
+    judgement.unseen = 1 - seen / judged;
     return judgement;
   }
 
@@ -248,10 +252,39 @@ class Decision {
   // it does not fit. Misfits of the region, summed.
   [[nodiscard]] double Excess(const Judgement& a, const Judgement& b) const {
     double sum = 0;
-    for (std::size_t i = 0; i < a.misfits.size(); ++i) {
-      if (a.misfits[i] != kUnseen && b.misfits[i] != kUnseen) sum += double{a.misfits[i]} - double{b.misfits[i]};
+    for (std::size_t i = 0; i < a.misfits.size(); i += others_.size()) {
+      sum += ExcessOfPixel({a.misfits.data() + i, others_.size()}, {b.misfits.data() + i, others_.size()});
     }
     return sum * static_cast<double>(Step());
+  }
+
+  // Of one pixel: by the views that see it on both, since views differ in how well they fit what is right. If none
+  // does, as at borders, where one view sees it on one and another on the other, by the means.
+  static double ExcessOfPixel(std::span<const float> a, std::span<const float> b) {
+    double sum_a = 0;
+    double sum_b = 0;
+    double sum_both = 0;
+    int views_a = 0;
+    int views_b = 0;
+    int views_both = 0;
+    for (std::size_t view = 0; view < a.size(); ++view) {
+      const bool in_a = a[view] != kUnseen;
+      const bool in_b = b[view] != kUnseen;
+      if (in_a) {
+        sum_a += double{a[view]};
+        ++views_a;
+      }
+      if (in_b) {
+        sum_b += double{b[view]};
+        ++views_b;
+      }
+      if (in_a && in_b) {
+        sum_both += double{a[view]} - double{b[view]};
+        ++views_both;
+      }
+    }
+    if (views_both > 0) return sum_both / views_both;
+    return views_a > 0 && views_b > 0 ? sum_a / views_a - sum_b / views_b : 0;
   }
 
   // Whether the prior is to be preferred to `best`.

@@ -80,7 +80,7 @@ TEST(TaskExecutor, DepthAndConfidenceAreThoseOfTheAlgorithmVersion) {
       codes.push_back(static_cast<char>(code >> 8U));
     }
   }
-  EXPECT_EQ(kAlgorithmVersion, 11U);
+  EXPECT_EQ(kAlgorithmVersion, 12U);
   EXPECT_EQ(Hex(Sha256(codes)), kMaps);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <stop_token>
 
 #include "tests/worker/refinement/plain_scene.h"
@@ -81,6 +82,32 @@ TEST(DecidePlainRegions, WhatIsHiddenOnOneOfTwoPlanesSpeaksForNeither) {
   const std::vector<PlainRegion> regions = FindPlainRegions(scene.segments, scene.Plain(), view);
   DecidePlainRegions(scene.picture, scene.segments, regions, std::vector{scene.Others().front()}, nullptr, view);
   ExpectBoardAt(scene, view, PlainScene::kWall);
+}
+
+// A view that fits nowhere, as of another exposure, sees the board where it is and not behind the wall.
+TEST(DecidePlainRegions, TwoPlanesAreComparedInTheViewsThatSeeBoth) {
+  PlainScene scene(PlainScene::kWall);
+  for (int y = 0; y < PlainScene::kHeight; ++y) {
+    for (int x = 0; x < PlainScene::kWidth; ++x) {
+      scene.colours.front()(x, y).y = static_cast<std::uint8_t>(scene.colours.front()(x, y).y / 2);
+      scene.maps.front()(x, y) = PlainScene::kWall;
+    }
+  }
+  ExpectBoardAt(scene, Decided(scene, scene.View(2)), PlainScene::kWall);
+}
+
+// One view sees the board where it is, not on the wall; another one, far away, what is on the wall, and that is not it.
+TEST(DecidePlainRegions, OfTwoPlanesEachIsJudgedByTheViewsThatSeeItWhereNoneSeesBoth) {
+  constexpr double kBoard = 9;
+  PlainScene scene(kBoard);
+  scene.pairs.back().e.x() = -10;
+  for (int y = 0; y < PlainScene::kHeight; ++y) {
+    for (int x = 0; x < PlainScene::kWidth; ++x) {
+      scene.maps.front()(x, y) = (PlainScene::kWall + kBoard) / 2;
+      scene.colours.back()(x, y) = {60, 128, 128};
+    }
+  }
+  ExpectBoardAt(scene, Decided(scene, scene.View(kBoard)), kBoard);
 }
 
 TEST(DecidePlainRegions, KeptSegmentsStay) {
