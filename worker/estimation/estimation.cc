@@ -84,7 +84,8 @@ SearchSummary SearchInSteps(const EstimationParams& params, const FrameProblem& 
   problem.matches = frame.MatchesNear(problem.levels, step + 1, problem.fixed, labels, stop, threads);
   if (stop.stop_requested()) return {.cancelled = true};
   const std::int64_t moves = summary.moves;
-  summary = SearchNear(problem, std::max<std::size_t>(1, step - 1), labels, stop, threads);
+  // Those levels are `step` apart, so what is nearest to the best of all is at most half of that away.
+  summary = SearchNear(problem, step / 2, labels, stop, threads);
   summary.moves += moves;
   return summary;
 }
