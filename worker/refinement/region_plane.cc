@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "common/base/parallel.h"
-#include "common/geometry/symmetric_solve.h"
-#include "worker/refinement/sight_kernels.h"
+#include "worker/refinement/region_fit.h"
+#include "worker/refinement/region_parts.h"
 
 namespace depthfarm {
 namespace {
@@ -29,12 +29,9 @@ constexpr double kAsGood = 0.2;            // of misfit for each segment of the 
 constexpr double kMostUnseen = 0.5;        // of the judged pixels
 constexpr double kPlate = 0.9;             // of the region on one plane
 constexpr double kLeastSaid = 0.5;         // of the region, by a prior
-constexpr std::size_t kFewestForFit = 4;
 // How often the plane through the rim is moved by kDistinct, nearer and farther. The rim is on levels about a pixel
 // apart, so that plane may be half a pixel off; but a pixel behind the rim is what that hides.
 constexpr int kMoves = 4;
-constexpr double kFitUnit = 100;   // pixels
-constexpr double kFitRidge = 0.1;  // towards no slope, where a rim is nearly a line; of the weights, per unit
 
 double CentreDepth(const SlantedPlane& plane, const PixelPosition& center) { return plane.At(center.x, center.y); }
 
@@ -44,15 +41,6 @@ double FarSide(std::vector<double>& values) {
   std::nth_element(values.begin(), far, values.end());
   return *far;
 }
-
-constexpr float kUnseen = -1;
-
-// How a depth of the region fits the other views.
-struct Judgement {
-  std::vector<float> misfits;  // [judged pixel][other view]; kUnseen: that view does not see it
-  double cost = 0;             // mean of those seen, times the region's pixels
-  double unseen = 0;           // share of the judged
-};
 
 struct Candidate {
   SlantedPlane plane;
@@ -72,7 +60,10 @@ class Decision {
  public:
   Decision(const PictureColours& own, const SegmentMap& segments, const PlainRegion& region,
            std::span<const OtherView> others, const PriorField* prior, const RefinedView& view)
-      : own_(own), segments_(segments), region_(region), others_(others), prior_(prior), view_(view) {}
+      : fit_(own, others), segments_(segments), region_(region), prior_(prior), view_(view) {}
+
+  // Of the region's pixels those that tell how deep it is, a few thousand of many; known once the choice is made.
+  [[nodiscard]] std::span<const PixelPosition> judged() const { return judged_; }
 
   // `pixels`: the region's, in any fixed order.
   std::optional<Choice> Make(std::vector<PixelPosition> pixels) {
@@ -84,6 +75,7 @@ class Decision {
     center_y_ /= static_cast<double>(pixels.size());
     pixels_ = AwayFromOccluders(OfItsColour(std::move(pixels)));
     if (pixels_.size() < kFewestPixels) return std::nullopt;
+    for (std::size_t i = 0; i < pixels_.size(); i += Step()) judged_.push_back(pixels_[i]);
     std::vector<Candidate> candidates = Candidates();
     const Candidate* best = JudgeAll(candidates);
     const Candidate* chosen = best == nullptr ? nullptr : &Choose(candidates, *best);
@@ -103,11 +95,11 @@ class Decision {
   [[nodiscard]] std::vector<PixelPosition> OfItsColour(std::vector<PixelPosition> pixels) const {
     std::array<double, 4> mean{};
     for (const auto& [x, y] : pixels)
-      for (std::size_t i = 0; i < 4; ++i) mean[i] += own_(x, y)[i];
+      for (std::size_t i = 0; i < 4; ++i) mean[i] += fit_.own()(x, y)[i];
     for (double& value : mean) value /= static_cast<double>(pixels.size());
     std::erase_if(pixels, [&](const PixelPosition& p) {
       double difference = 0;
-      for (std::size_t i = 0; i < 4; ++i) difference += std::abs(own_(p.x, p.y)[i] - mean[i]);
+      for (std::size_t i = 0; i < 4; ++i) difference += std::abs(fit_.own()(p.x, p.y)[i] - mean[i]);
       return difference > kAlike;
     });
     return pixels;
@@ -161,130 +153,35 @@ class Decision {
     return candidates;
   }
 
-  // Robust least squares in a few rounds of weights.
+  // Through its far side.
   [[nodiscard]] std::optional<SlantedPlane> FitToRim() const {
-    if (region_.rim.size() < kFewestForFit) return std::nullopt;
     std::vector<double> depths;
     for (const SegmentIndex t : region_.rim) depths.push_back(DepthOf(t));
     const double bound = FarSide(depths) + kNearer;
-    constexpr int kRounds = 8;
-    std::array<double, 3> fit{};  // u = fit . ((x - cx) / unit, (y - cy) / unit, 1)
-    for (int round = 0; round < kRounds; ++round) {
-      const double scale = round < 3 ? 1.0 : 0.4;  // pixels of u
-      std::array<double, 6> h{};
-      std::array<double, 3> r{};
-      double weights = 0;
-      for (const SegmentIndex t : region_.rim) {
-        const double u = DepthOf(t);
-        if (u > bound) continue;
-        const double x = (segments_.centers[t].x - center_x_) / kFitUnit;
-        const double y = (segments_.centers[t].y - center_y_) / kFitUnit;
-        const double e = (u - (fit[0] * x + fit[1] * y + fit[2])) / scale;
-        const double w = round == 0 ? 1 : 1 / ((1 + e * e) * (1 + e * e));
-        h[0] += w * x * x;
-        h[1] += w * x * y;
-        h[2] += w * x;
-        h[3] += w * y * y;
-        h[4] += w * y;
-        h[5] += w;
-        r[0] += w * x * u;
-        r[1] += w * y * u;
-        r[2] += w * u;
-        weights += w;
-      }
-      h[0] += kFitRidge * weights;
-      h[3] += kFitRidge * weights;
-      if (!SolveSymmetric(h, r, fit)) return std::nullopt;
+    std::vector<DepthPoint> points;
+    for (const SegmentIndex t : region_.rim) {
+      const auto [x, y] = segments_.centers[t];
+      const double u = DepthOf(t);
+      if (u <= bound) points.push_back({static_cast<double>(x), static_cast<double>(y), u});
     }
-    const double a = fit[0] / kFitUnit;
-    const double b = fit[1] / kFitUnit;
-    return SlantedPlane{static_cast<float>(a), static_cast<float>(b),
-                        static_cast<float>(fit[2] - a * center_x_ - b * center_y_)};
+    return FitPlane(points, center_x_, center_y_);
   }
 
   [[nodiscard]] std::size_t Step() const { return std::max<std::size_t>(1, pixels_.size() / kManyPixels); }
 
-  // `depth_at`: u of a pixel.
+  // `depth_at`: u of a pixel. The cost is the region's.
   template <typename Depth>
   [[nodiscard]] Judgement Judge(const Depth& depth_at) const {
-    Judgement judgement;
-    double judged = 0;
-    double seen = 0;
-    PixelList list;
-    ListOf<double> misfits;
-    ListOf<double> sums;
-    ListOf<int> views;
-    for (std::size_t next = 0; next < pixels_.size();) {
-      list.count = 0;
-      own_.With([&](const auto& picture) {
-        for (; next < pixels_.size() && list.count < kListPixels; next += Step()) {
-          const auto [x, y] = pixels_[next];
-          list.Add(picture, x, y, depth_at(x, y));
-        }
-      });
-      sums.fill(0);
-      views.fill(0);
-      const std::size_t first = judgement.misfits.size();
-      judgement.misfits.resize(first + list.count * others_.size(), kUnseen);
-      for (std::size_t view = 0; view < others_.size(); ++view) {
-        Misfits(others_[view], list, misfits);
-        for (std::size_t i = 0; i < list.count; ++i) {
-          if (misfits[i] == kNotSeen) continue;
-          judgement.misfits[first + i * others_.size() + view] = static_cast<float>(misfits[i]);
-          sums[i] += misfits[i];
-          ++views[i];
-        }
-      }
-      judged += static_cast<double>(list.count);
-      for (std::size_t i = 0; i < list.count; ++i) {
-        if (views[i] == 0) continue;
-        judgement.cost += sums[i] / views[i];
-        ++seen;
-      }
-    }
+    Judgement judgement = fit_.Judge(judged_, depth_at);
     // Else the plane that moves most of the region out of sight would cost least.
-    if (seen > 0) judgement.cost *= static_cast<double>(pixels_.size()) / seen;
-    judgement.unseen = 1 - seen / judged;
+    if (judgement.seen > 0) judgement.cost *= static_cast<double>(pixels_.size()) / static_cast<double>(judgement.seen);
     return judgement;
   }
 
   // How much worse `a` fits than `b`, by the pixels that are seen on both: the one that is farther may be hidden where
   // it does not fit. Misfits of the region, summed.
   [[nodiscard]] double Excess(const Judgement& a, const Judgement& b) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.misfits.size(); i += others_.size()) {
-      sum += ExcessOfPixel({a.misfits.data() + i, others_.size()}, {b.misfits.data() + i, others_.size()});
-    }
-    return sum * static_cast<double>(Step());
-  }
-
-  // Of one pixel: by the views that see it on both, since views differ in how well they fit what is right. If none
-  // does, as at borders, where one view sees it on one and another on the other, by the means.
-  static double ExcessOfPixel(std::span<const float> a, std::span<const float> b) {
-    double sum_a = 0;
-    double sum_b = 0;
-    double sum_both = 0;
-    int views_a = 0;
-    int views_b = 0;
-    int views_both = 0;
-    for (std::size_t view = 0; view < a.size(); ++view) {
-      const bool in_a = a[view] != kUnseen;
-      const bool in_b = b[view] != kUnseen;
-      if (in_a) {
-        sum_a += double{a[view]};
-        ++views_a;
-      }
-      if (in_b) {
-        sum_b += double{b[view]};
-        ++views_b;
-      }
-      if (in_a && in_b) {
-        sum_both += double{a[view]} - double{b[view]};
-        ++views_both;
-      }
-    }
-    if (views_both > 0) return sum_both / views_both;
-    return views_a > 0 && views_b > 0 ? sum_a / views_a - sum_b / views_b : 0;
+    return fit_.Excess(a, b) * static_cast<double>(Step());
   }
 
   // Whether the prior is to be preferred to `best`.
@@ -308,7 +205,9 @@ class Decision {
   [[nodiscard]] bool IsSupported(const Candidate& c) const {
     return static_cast<double>(c.support) >= kLeastSupport * static_cast<double>(region_.rim.size());
   }
-  [[nodiscard]] static bool IsPossible(const Candidate& c) { return c.fit.unseen < kMostUnseen; }
+  [[nodiscard]] bool IsPossible(const Candidate& c) const {
+    return 1 - static_cast<double>(c.fit.seen) / static_cast<double>(judged_.size()) < kMostUnseen;
+  }
 
   // Returns the possible one of least cost, the farthest of several; null: none is possible. Only its misfits and those
   // of supported ones, of which there are few, are kept: of a rim with many depths there may be a thousand candidates.
@@ -344,13 +243,13 @@ class Decision {
     return static_cast<double>(same) >= kPlate * static_cast<double>(depths.size());
   }
 
-  PictureColours own_;
+  RegionFit fit_;
   const SegmentMap& segments_;
   const PlainRegion& region_;
-  std::span<const OtherView> others_;
   const PriorField* prior_;
   const RefinedView& view_;
-  std::vector<PixelPosition> pixels_;
+  std::vector<PixelPosition> pixels_;  // of its own colour, away from what is nearer
+  std::vector<PixelPosition> judged_;  // of these each Step()th
   double center_x_ = 0;
   double center_y_ = 0;
 };
@@ -380,11 +279,19 @@ void DecidePlainRegions(const PictureColours& own, const SegmentMap& segments, s
   ParallelFor(regions.size(), threads, [&](std::size_t i) {
     if (stop.stop_requested()) return;
     const std::size_t r = by_size[i];
-    const auto choice = Decision(own, segments, regions[r], others, prior, before).Make(std::move(pixels[r]));
-    if (!choice) return;
-    for (const SegmentIndex s : regions[r].segments) {
-      if (!choice->prior) view.planes[s] = choice->plane;
-      if (choice->prior && prior->Says(s)) view.planes[s] = prior->planes[s];
+    Decision decision(own, segments, regions[r], others, prior, before);
+    const auto choice = decision.Make(pixels[r]);
+    if (choice) {
+      for (const SegmentIndex s : regions[r].segments) {
+        if (!choice->prior) view.planes[s] = choice->plane;
+        if (choice->prior && prior->Says(s)) view.planes[s] = prior->planes[s];
+      }
+      if (choice->prior) return;
+    }
+    const std::vector<SlantedPlane>& planes = view.planes;
+    for (const RegionPart& part :
+         FindNearerParts(RegionFit(own, others), segments, regions[r].segments, pixels[r], decision.judged(), planes)) {
+      for (const SegmentIndex s : part.segments) view.planes[s] = part.plane;
     }
   });
 }

@@ -18,8 +18,9 @@ namespace depthfarm {
 // fits the other views best, by the pixels that these see on both of two planes; of planes that fit alike, one that
 // continues what lies around it on the far side. What varies already (a curved or slanted surface) needs evidence. With
 // a prior (null: none) that field is one more of the planes: it wins where it fits about as well as the best and is
-// trusted there, or fits clearly better. `others`: their maps are Occluders. Ends early, with some regions not decided,
-// once `stop` is requested.
+// trusted there, or fits clearly better. Parts of a region that lie nearer then take planes of their own, unless it
+// takes the prior (worker/refinement/region_parts.h). `others`: their maps are Occluders. Ends early, with some regions
+// not decided, once `stop` is requested.
 void DecidePlainRegions(const PictureColours& own, const SegmentMap& segments, std::span<const PlainRegion> regions,
                         std::span<const OtherView> others, const PriorField* prior, RefinedView& view,
                         const std::stop_token& stop = {}, int threads = 1);
