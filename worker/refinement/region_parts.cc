@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,7 +11,8 @@
 namespace depthfarm {
 namespace {
 
-constexpr int kTile = 24;                  // pixels
+constexpr int kTile = 24;  // pixels; more where fewer than kJudged of its pixels would be judged
+constexpr double kJudged = 16;
 constexpr std::size_t kFewestTiles = 4;    // of a part
 constexpr std::size_t kFewestJudged = 9;   // pixels of a tile
 constexpr double kMuchWorse = 4;           // times as badly as the region's median tile
@@ -32,8 +34,9 @@ class Finder {
         region_(region),
         pixels_(pixels),
         planes_(planes),
-        columns_((segments.labels.width() + kTile - 1) / kTile),
-        rows_((segments.labels.height() + kTile - 1) / kTile),
+        side_(SideOf(pixels.size(), judged.size())),
+        columns_((segments.labels.width() + side_ - 1) / side_),
+        rows_((segments.labels.height() + side_ - 1) / side_),
         tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
     for (const PixelPosition& pixel : judged) tiles_[TileOf(pixel)].judged.push_back(pixel);
   }
@@ -66,10 +69,14 @@ class Finder {
     double by = 0;        // pixels of u
   };
 
+  static int SideOf(std::size_t pixels, std::size_t judged) {
+    const double of_each = static_cast<double>(pixels) / static_cast<double>(std::max<std::size_t>(judged, 1));
+    return std::max(kTile, static_cast<int>(std::sqrt(kJudged * of_each)));
+  }
   [[nodiscard]] std::size_t TileAt(int column, int row) const {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
   }
-  [[nodiscard]] std::size_t TileOf(const PixelPosition& p) const { return TileAt(p.x / kTile, p.y / kTile); }
+  [[nodiscard]] std::size_t TileOf(const PixelPosition& p) const { return TileAt(p.x / side_, p.y / side_); }
   [[nodiscard]] double Decided(int x, int y) const { return planes_[segments_.labels(x, y)].At(x, y); }
 
   // Returns whether there are enough of them for a part.
@@ -273,6 +280,7 @@ class Finder {
   std::span<const SegmentIndex> region_;
   std::span<const PixelPosition> pixels_;
   std::span<const SlantedPlane> planes_;
+  int side_;  // of a tile, pixels
   int columns_;
   int rows_;
   std::vector<Tile> tiles_;

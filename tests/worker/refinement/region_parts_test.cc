@@ -71,8 +71,8 @@ class Room {
     return view;
   }
 
-  // The parts of what was taken for a wall.
-  [[nodiscard]] std::vector<RegionPart> Parts() const {
+  // The parts of what was taken for a wall, by each judged_each-th pixel.
+  [[nodiscard]] std::vector<RegionPart> Parts(std::size_t judged_each = 1) const {
     const std::vector<OtherView> others = Others();
     std::vector<SegmentIndex> region(segments.centers.size());
     std::iota(region.begin(), region.end(), SegmentIndex{0});
@@ -80,7 +80,9 @@ class Room {
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x) pixels.push_back({x, y});
     const std::vector<SlantedPlane> planes(region.size(), {0, 0, static_cast<float>(kWall)});
-    return FindNearerParts(RegionFit(picture, others), segments, region, pixels, pixels, planes);
+    std::vector<PixelPosition> judged;
+    for (std::size_t i = 0; i < pixels.size(); i += judged_each) judged.push_back(pixels[i]);
+    return FindNearerParts(RegionFit(picture, others), segments, region, pixels, judged, planes);
   }
 
   YcbcrImage picture;
@@ -113,6 +115,16 @@ TEST(FindNearerParts, AFloorIsFoundBeforeAWallOfItsColour) {
   }
   const int all = (Room::kHeight - Room::kFoot - 10) / Room::kCell * (Room::kWidth / Room::kCell);
   EXPECT_GT(floor, all * 9 / 10);
+}
+
+TEST(FindNearerParts, AFloorIsFoundByFewOfItsPixels) {
+  const Room room(0.12);
+  const std::vector<RegionPart> parts = room.Parts(97);
+  ASSERT_EQ(parts.size(), 1U);
+  for (const SegmentIndex s : parts.front().segments) {
+    const auto [x, y] = room.segments.centers[s];
+    EXPECT_NEAR(parts.front().plane.At(x, y), room.DepthAt(y), 0.7) << x << "," << y;
+  }
 }
 
 TEST(FindNearerParts, AWallHasNone) { EXPECT_TRUE(Room(0).Parts().empty()); }
