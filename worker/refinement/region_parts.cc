@@ -37,7 +37,13 @@ class Finder {
         side_(SideOf(pixels.size(), judged.size())),
         columns_((segments.labels.width() + side_ - 1) / side_),
         rows_((segments.labels.height() + side_ - 1) / side_),
-        tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
+        tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
+        gains_(planes.size()) {
+    std::vector<std::uint8_t> inside(planes.size());
+    for (const SegmentIndex s : region) inside[s] = 1;
+    for (const auto& pair : segments.adjacency) {
+      if (inside[pair.first] != 0 && inside[pair.second] != 0) links_.emplace_back(pair.first, pair.second);
+    }
     for (const PixelPosition& pixel : judged) tiles_[TileOf(pixel)].judged.push_back(pixel);
   }
 
@@ -52,10 +58,12 @@ class Finder {
       const std::optional<SlantedPlane> fitted = FitTo(together);
       if (!fitted) continue;
       RegionPart part{.plane = Improved(*fitted, JudgedOf(together)), .segments = {}};
-      part.segments = Better(part.plane, together);
+      std::vector<double> gains = Gains(part.plane);
       // More of it tells more of how it slants.
-      part.plane = Improved(part.plane, JudgedOf(part.segments));
-      part.segments = Better(part.plane, together);
+      part.plane = Improved(part.plane, JudgedOf(Better(gains, together)));
+      gains = Gains(part.plane);
+      part.segments = Better(gains, together);
+      for (const SegmentIndex s : part.segments) gains_[s] = gains[s];
       if (!part.segments.empty()) parts.push_back(std::move(part));
     }
     return parts;
@@ -229,9 +237,8 @@ class Finder {
     return {static_cast<float>(a), static_cast<float>(b), static_cast<float>(best[2] - a * center_x - b * center_y)};
   }
 
-  // The segments that, with those around them, fit better on the plane, as far as they continue the tiles.
-  [[nodiscard]] std::vector<SegmentIndex> Better(const SlantedPlane& plane,
-                                                 const std::vector<std::size_t>& together) const {
+  // How much better each segment of the region, with those around it, fits on the plane than as decided.
+  [[nodiscard]] std::vector<double> Gains(const SlantedPlane& plane) const {
     std::vector<double> gain(planes_.size());
     for (std::size_t begin = 0; begin < pixels_.size(); begin += kManyPixels) {
       const std::span<const PixelPosition> some = pixels_.subspan(begin, std::min(kManyPixels, pixels_.size() - begin));
@@ -240,31 +247,32 @@ class Finder {
       for (std::size_t i = 0; i < some.size(); ++i)
         gain[segments_.labels(some[i].x, some[i].y)] += fit_.Excess(decided, moved, i);
     }
-    std::vector<std::uint8_t> inside(planes_.size());
-    for (const SegmentIndex s : region_) inside[s] = 1;
-    std::vector<std::pair<SegmentIndex, SegmentIndex>> links;
-    for (const auto& pair : segments_.adjacency) {
-      if (inside[pair.first] != 0 && inside[pair.second] != 0) links.emplace_back(pair.first, pair.second);
-    }
     for (int ring = 0; ring < kRings; ++ring) {
       std::vector<double> wide = gain;
-      for (const auto& [s, t] : links) {
+      for (const auto& [s, t] : links_) {
         wide[s] += gain[t];
         wide[t] += gain[s];
       }
       gain = std::move(wide);
     }
+    return gain;
+  }
+
+  // The segments that fit better, than in a part found before as well, as far as they continue the tiles.
+  [[nodiscard]] std::vector<SegmentIndex> Better(const std::vector<double>& gains,
+                                                 const std::vector<std::size_t>& together) const {
+    const auto is_better = [&](SegmentIndex s) { return gains[s] > gains_[s]; };
     std::vector<std::uint8_t> taken(planes_.size());
     for (const std::size_t index : together) {
       for (const auto& [x, y] : tiles_[index].judged) {
         const SegmentIndex s = segments_.labels(x, y);
-        if (gain[s] > 0) taken[s] = 1;
+        if (is_better(s)) taken[s] = 1;
       }
     }
     for (bool grows = true; grows;) {
       grows = false;
-      for (const auto& [s, t] : links) {
-        if (taken[s] == taken[t] || gain[s] <= 0 || gain[t] <= 0) continue;
+      for (const auto& [s, t] : links_) {
+        if (taken[s] == taken[t] || !is_better(s) || !is_better(t)) continue;
         taken[s] = taken[t] = 1;
         grows = true;
       }
@@ -284,7 +292,9 @@ class Finder {
   int columns_;
   int rows_;
   std::vector<Tile> tiles_;
-  double usual_ = 0;  // misfit of a pixel
+  std::vector<std::pair<SegmentIndex, SegmentIndex>> links_;  // adjacent segments of the region
+  std::vector<double> gains_;                                 // of each segment in the part that has it
+  double usual_ = 0;                                          // misfit of a pixel
 };
 
 }  // namespace
