@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -13,16 +14,16 @@ namespace {
 
 constexpr int kTile = 24;  // pixels; more where fewer than kJudged of its pixels would be judged
 constexpr double kJudged = 16;
-constexpr std::size_t kFewestTiles = 4;    // of a part
-constexpr std::size_t kFewestJudged = 9;   // pixels of a tile
-constexpr double kMuchWorse = 4;           // times as badly as the region's median tile
-constexpr double kRemains = 0.25;          // of a tile's misfit, elsewhere
-constexpr double kMostPixels = 0.5;        // of a tile's
-constexpr double kStep = 0.5;              // pixels of u
-constexpr double kLeastNearer = 1;         // pixels of u: a plane less far off is refinement's to move
-constexpr int kMostSteps = 24;             // nearer; a part may go on beyond
-constexpr std::size_t kManyPixels = 8000;  // judged at a time
-constexpr int kRings = 2;                  // of segments around one, by which it is judged
+constexpr std::ptrdiff_t kFewestTiles = 4;  // of a part
+constexpr std::size_t kFewestJudged = 9;    // pixels of a tile
+constexpr double kMuchWorse = 4;            // times as badly as the region's median tile
+constexpr double kRemains = 0.25;           // of a tile's misfit, elsewhere
+constexpr double kLeastBetter = 0.5;        // of a tile's pixels
+constexpr double kStep = 0.5;               // pixels of u
+constexpr double kLeastNearer = 1;          // pixels of u: a plane less far off is refinement's to move
+constexpr int kMostSteps = 24;              // nearer; a part may go on beyond
+constexpr std::size_t kManyPixels = 8000;   // judged at a time
+constexpr int kRings = 2;                   // of segments around one, by which it is judged
 
 class Finder {
  public:
@@ -37,13 +38,7 @@ class Finder {
         side_(SideOf(pixels.size(), judged.size())),
         columns_((segments.labels.width() + side_ - 1) / side_),
         rows_((segments.labels.height() + side_ - 1) / side_),
-        tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)),
-        gains_(planes.size()) {
-    std::vector<std::uint8_t> inside(planes.size());
-    for (const SegmentIndex s : region) inside[s] = 1;
-    for (const auto& pair : segments.adjacency) {
-      if (inside[pair.first] != 0 && inside[pair.second] != 0) links_.emplace_back(pair.first, pair.second);
-    }
+        tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
     for (const PixelPosition& pixel : judged) tiles_[TileOf(pixel)].judged.push_back(pixel);
   }
 
@@ -51,10 +46,13 @@ class Finder {
     std::vector<RegionPart> parts;
     if (!MarkSuspects()) return parts;
     MoveSuspects();
+    if (std::count_if(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.nearer; }) < kFewestTiles)
+      return parts;
+    LinkSegments();
     for (std::size_t tile = 0; tile < tiles_.size(); ++tile) {
       if (!tiles_[tile].nearer) continue;
       const std::vector<std::size_t> together = TakeTogether(tile);
-      if (together.size() < kFewestTiles) continue;
+      if (std::ssize(together) < kFewestTiles) continue;
       const std::optional<SlantedPlane> fitted = FitTo(together);
       if (!fitted) continue;
       RegionPart part{.plane = Improved(*fitted, JudgedOf(together)), .segments = {}};
@@ -95,11 +93,11 @@ class Finder {
       tile.fit = fit_.Judge(tile.judged, [this](int x, int y) { return Decided(x, y); });
       if (tile.fit.seen > 0) means.push_back(MeanOf(tile));
     }
-    if (means.size() < kFewestTiles) return false;
+    if (std::ssize(means) < kFewestTiles) return false;
     const auto middle = means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2);
     std::nth_element(means.begin(), middle, means.end());
     usual_ = *middle;
-    std::size_t suspects = 0;
+    std::ptrdiff_t suspects = 0;
     for (Tile& tile : tiles_) {
       tile.nearer = tile.fit.seen > 0 && MeanOf(tile) > kMuchWorse * usual_;
       suspects += tile.nearer ? 1 : 0;
@@ -125,7 +123,7 @@ class Finder {
       }
       const auto count = static_cast<double>(tile.judged.size());
       tile.nearer = tile.by >= kLeastNearer && tile.fit.cost - gain < kRemains * tile.fit.cost &&
-                    gain > kMuchWorse * usual_ * count && static_cast<double>(pixels) >= kMostPixels * count;
+                    gain > kMuchWorse * usual_ * count && static_cast<double>(pixels) >= kLeastBetter * count;
     }
   }
 
@@ -134,6 +132,16 @@ class Finder {
     std::size_t count = 0;
     for (std::size_t i = 0; i < tile.judged.size(); ++i) count += fit_.Excess(tile.fit, moved, i) > usual_ ? 1 : 0;
     return count;
+  }
+
+  // Only where there are parts: a view has many regions, and this takes as long as it has segments.
+  void LinkSegments() {
+    gains_.resize(planes_.size());
+    std::vector<std::uint8_t> inside(planes_.size());
+    for (const SegmentIndex s : region_) inside[s] = 1;
+    for (const auto& pair : segments_.adjacency) {
+      if (inside[pair.first] != 0 && inside[pair.second] != 0) links_.emplace_back(pair.first, pair.second);
+    }
   }
 
   // The marked tiles that touch, of which `first` is one; their marks are gone then.
