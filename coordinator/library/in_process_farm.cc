@@ -141,7 +141,7 @@ class Farm {
   JobSnapshot Run() {
     Tell(JobSubmitted{job_, job_.config.sequence_name});
     AskWhetherToGoOn();  // before anything is computed: however short the job, one that is not wanted is cancelled
-    Tell(WorkerJoined{kWorker, "here", {}, {}, options_.slots});
+    Tell(WorkerJoined{.worker = kWorker, .name = "here", .slots = options_.slots});
     Ask();
     auto told = SteadyClock::now();
     while (!result_) {

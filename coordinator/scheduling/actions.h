@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/job/task_spec.h"
 #include "coordinator/scheduling/snapshot.h"
 
 namespace depthfarm {
@@ -88,7 +89,8 @@ struct AttemptEnded {
   LeaseId lease;
   TaskId task;
   AttemptOutcome outcome = AttemptOutcome::kDone;
-  Status error;  // of kFailed, kExpired and kWorkerLost
+  Status error;             // of kFailed, kExpired and kWorkerLost
+  TaskLog last_words = {};  // of kWorkerLost: what its worker wrote before it died, where that is known
 };
 // The worker was silent for a lease, or died: it is out until it says Hello again.
 struct WorkerLost {

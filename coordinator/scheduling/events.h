@@ -63,8 +63,8 @@ struct WorkerDrained {
 struct WorkerJoined {
   WorkerId worker;
   std::string name;
-  std::vector<ArtifactInfo> artifacts;
-  std::vector<LeaseId> running;
+  std::vector<ArtifactInfo> artifacts = {};
+  std::vector<LeaseId> running = {};
   int slots = 1;                   // tasks that it computes at a time
   int ahead = 0;                   // tasks that it takes besides, to fetch their inputs meanwhile
   std::uint64_t memory_bytes = 0;  // for its tasks; 0: no bound
@@ -112,6 +112,7 @@ struct WorkerDied {
   WorkerId worker;
   std::string how;                 // after "the worker "
   std::vector<LeaseId> computing;  // what they were; empty: not told, as many of its leases as it has slots
+  TaskLog last_words = {};         // what it wrote before
 };
 
 using Event =

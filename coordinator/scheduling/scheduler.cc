@@ -28,7 +28,7 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
     if (now - worker.last_heard >= options_.lease) silent.push_back(id);
   }
   for (const WorkerId id : silent) {
-    const Status lost(ErrorCode::kUnavailable, "the worker was lost");
+    const Loss lost{.reason = Unavailable("the worker was lost")};
     RemoveWorker(*workers_.Find(id), &lost);
   }
   EndJobsWithoutSubmitter();
@@ -56,7 +56,7 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
 
 void Scheduler::On(const WorkerJoined& event) {
   if (const Worker* before = workers_.Find(event.worker); before != nullptr && event.restarted) {
-    const Status died(ErrorCode::kUnavailable, "the worker died and was started again");
+    const Loss died{.reason = Unavailable("the worker died and was started again")};
     EndLeasesOf(*before, &died);
   }
   Worker& worker = workers_.Join(event, now_);
@@ -225,11 +225,11 @@ void Scheduler::On(const WorkerLeft& event) {
 }
 
 void Scheduler::On(const WorkerDied& event) {
-  const Status died(ErrorCode::kUnavailable, "the worker " + event.how);
-  if (Worker* worker = workers_.Find(event.worker)) RemoveWorker(*worker, &died, event.computing);
+  const Loss died{Unavailable("the worker " + event.how), event.computing, event.last_words};
+  if (Worker* worker = workers_.Find(event.worker)) RemoveWorker(*worker, &died);
 }
 
-void Scheduler::RemoveWorker(Worker& worker, const Status* lost, const std::vector<LeaseId>& computing) {
+void Scheduler::RemoveWorker(Worker& worker, const Loss* lost) {
   const WorkerId id = worker.id;
   const std::string name = worker.name;
   for (auto& [job_id, job] : jobs_) job.homes.Forget(id);
@@ -237,11 +237,11 @@ void Scheduler::RemoveWorker(Worker& worker, const Status* lost, const std::vect
     AddNote(Note::Severity::kInfo, "worker_left", {{"worker", Number(id.value())}, {"name", name}});
   } else {
     AddNote(Note::Severity::kWarning, "worker_lost",
-            {{"worker", Number(id.value())}, {"name", name}, {"reason", lost->message()}});
+            {{"worker", Number(id.value())}, {"name", name}, {"reason", lost->reason.message()}});
     Add(WorkerLost{id, name});
   }
   LoseArtifacts(directory_.RemoveWorker(id));
-  EndLeasesOf(worker, lost, computing);
+  EndLeasesOf(worker, lost);
   workers_.Remove(id);
 }
 

@@ -122,9 +122,16 @@ class Scheduler {
   void On(const WorkerLeft& event);
   void On(const WorkerDied& event);
 
+  // Why a worker is gone, when what it was computing failed with it.
+  struct Loss {
+    Status reason;
+    std::vector<LeaseId> computing = {};  // empty: not told, those that it can have begun
+    TaskLog last_words = {};
+  };
+
   // The lease of a result, ended; null (and a note) if it is not the worker's any more.
   [[nodiscard]] std::optional<Lease> EndLeaseOf(WorkerId worker, LeaseId lease, const TaskId& task);
-  void RemoveWorker(Worker& worker, const Status* lost, const std::vector<LeaseId>& computing = {});
+  void RemoveWorker(Worker& worker, const Loss* lost);
   bool EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running);
   void AddArtifact(WorkerId worker, const ArtifactInfo& artifact, JobId job, const std::string& made_by);
   void LoseArtifacts(const std::vector<ArtifactKey>& keys);
@@ -139,9 +146,8 @@ class Scheduler {
   // The same as GiveBack, and a failure of the task. `died`: with its worker, or its worker was not heard of.
   void FailAttempt(LeaseId id, const Lease& lease, const Status& error, bool died = false);
   void ForgetInputs(JobRecord& job, const TaskFailed& event, const Lease& lease);
-  // The worker is gone with all its leases. `lost`: why, if those that it was computing failed with it; when these are
-  // not told, those that it can have begun.
-  void EndLeasesOf(const Worker& worker, const Status* lost, const std::vector<LeaseId>& computing = {});
+  // The worker is gone with all its leases. `lost`: null when none of them failed with it.
+  void EndLeasesOf(const Worker& worker, const Loss* lost);
   // Whether the task is tried on a worker that has nothing else: others were lost with it.
   [[nodiscard]] bool IsTriedAlone(const Task& task) const;
 

@@ -86,7 +86,7 @@ void Scheduler::ForgetInputs(JobRecord& job, const TaskFailed& event, const Leas
   LoseArtifacts(lost);
 }
 
-void Scheduler::EndLeasesOf(const Worker& worker, const Status* lost, const std::vector<LeaseId>& computing) {
+void Scheduler::EndLeasesOf(const Worker& worker, const Loss* lost) {
   const std::string name = worker.name;
   const int slots = worker.slots;
   std::vector<std::pair<LeaseId, Lease>> ended;
@@ -97,11 +97,13 @@ void Scheduler::EndLeasesOf(const Worker& worker, const Status* lost, const std:
   int begun = 0;
   for (const auto& [id, lease] : ended) {
     if (lease.revoked) continue;
-    const bool on_slot = computing.empty() ? begun++ < slots : std::ranges::find(computing, id) != computing.end();
-    const bool failed = lost != nullptr && on_slot;
-    if (failed) {
-      const Status reason = lost->WithContext(name);
-      AddEnd(id, lease.task, AttemptOutcome::kWorkerLost, reason);
+    const auto on_slot = [&, lease = id] {
+      if (lost->computing.empty()) return begun++ < slots;
+      return std::ranges::find(lost->computing, lease) != lost->computing.end();
+    };
+    if (lost != nullptr && on_slot()) {
+      const Status reason = lost->reason.WithContext(name);
+      Add(AttemptEnded{id, lease.task, AttemptOutcome::kWorkerLost, reason, lost->last_words});
       FailAttempt(id, lease, reason, true);
     } else {
       AddEnd(id, lease.task, AttemptOutcome::kGivenBack);

@@ -34,11 +34,6 @@ void AttemptRecords::Report(WorkerId worker, LeaseId lease, const TaskId& task, 
   attempt.log = std::move(log);
 }
 
-void AttemptRecords::AddLastWords(LeaseId lease, const TaskLog& last_words) {
-  const auto running = running_.find(lease);
-  if (running != running_.end()) jobs_.at(running->second).attempts.at(lease).log = last_words;
-}
-
 TaskStats AttemptRecords::End(const AttemptEnded& end, TimePoint now) {
   const auto running = running_.find(end.lease);
   if (running == running_.end()) return {};
@@ -47,6 +42,7 @@ TaskStats AttemptRecords::End(const AttemptEnded& end, TimePoint now) {
   attempt.ended = now;
   attempt.outcome = end.outcome;
   attempt.error = end.error;
+  if (!end.last_words.lines.empty()) attempt.log = end.last_words;
   const TaskStats stats = attempt.stats;
   const bool failed = attempt.failed();
   LeaseQueue& queue = failed ? job.failed : job.well;

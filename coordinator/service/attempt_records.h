@@ -49,9 +49,7 @@ class AttemptRecords {
   void Begin(LeaseId lease, AttemptRecord attempt);
   // What a worker tells at the end of a task; nothing unless that worker has the lease and it did not end.
   void Report(WorkerId worker, LeaseId lease, const TaskId& task, const TaskStats& stats, TaskLog log);
-  // What the worker of an attempt that did not end wrote before it died.
-  void AddLastWords(LeaseId lease, const TaskLog& last_words);
-  // Returns what the attempt used, if its worker told.
+  // Last words, where there are any, take the place of the log. Returns what the attempt used, if its worker told.
   TaskStats End(const AttemptEnded& end, TimePoint now);
   // Forgets the jobs that are not known any more.
   void KeepJobs(const std::function<bool(JobId)>& known);

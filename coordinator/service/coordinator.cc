@@ -258,16 +258,15 @@ void Coordinator::HandleHello(const PeerMessage& message, const v1::WorkerHello&
     Refuse(message, 0, id.status());
     return;
   }
-  WorkerJoined event{*id,
-                     hello.name(),
-                     {},
-                     LeasesFromProto(hello.running_leases()),
-                     std::max(1, static_cast<int>(hello.slots())),
-                     static_cast<int>(hello.tasks_ahead()),
-                     hello.memory_bytes(),
-                     std::move(tags).value(),
-                     restarted,
-                     hello.algorithm_version()};
+  WorkerJoined event{.worker = *id,
+                     .name = hello.name(),
+                     .running = LeasesFromProto(hello.running_leases()),
+                     .slots = std::max(1, static_cast<int>(hello.slots())),
+                     .ahead = static_cast<int>(hello.tasks_ahead()),
+                     .memory_bytes = hello.memory_bytes(),
+                     .tags = std::move(tags).value(),
+                     .restarted = restarted,
+                     .algorithm_version = hello.algorithm_version()};
   for (const v1::ArtifactInfo& artifact : hello.artifacts()) {
     const Result<ArtifactInfo> parsed = FromProto(artifact);
     if (parsed.ok()) event.artifacts.push_back(*parsed);
@@ -291,9 +290,7 @@ void Coordinator::HandleDied(const PeerMessage& message, const v1::WorkerDied& d
   std::string how = CleanLine(died.how(), kMaxDeathBytes);
   const TaskLog last_words = FromProto(died.last_words());
   if (!last_words.lines.empty()) how += "; its last words: " + CleanLine(last_words.lines.back(), kMaxLastLine);
-  last_words_ = &last_words;
-  Dispatch(WorkerDied{session->id, how, LeasesFromProto(died.computing())});
-  last_words_ = nullptr;
+  Dispatch(WorkerDied{session->id, how, LeasesFromProto(died.computing()), last_words});
 }
 
 void Coordinator::HandleTaskFinished(WorkerId worker, const v1::TaskFinished& message) {

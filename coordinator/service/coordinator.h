@@ -156,7 +156,6 @@ class Coordinator {
   // Of the jobs that ran since the coordinator was started: when each was submitted, what became of its attempts.
   std::map<JobId, TimePoint> submitted_;
   AttemptRecords attempts_;
-  const TaskLog* last_words_ = nullptr;  // of the worker that died, while the scheduler ends its attempts
   MessageRefusals refusals_;
   NotePace note_pace_;
   // Since the start, see FarmMetrics.

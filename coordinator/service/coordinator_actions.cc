@@ -120,12 +120,7 @@ void Coordinator::Do(const JobEnded& action) {
   for (const JobId id : forgotten) Dispatch(JobForgotten{id});
 }
 
-void Coordinator::Do(const AttemptEnded& action) {
-  // Before the end: the job may end with it, and what is told of it then is told for ever.
-  if (last_words_ != nullptr && action.outcome == AttemptOutcome::kWorkerLost)
-    attempts_.AddLastWords(action.lease, *last_words_);
-  Count(action, attempts_.End(action, now_));
-}
+void Coordinator::Do(const AttemptEnded& action) { Count(action, attempts_.End(action, now_)); }
 
 void Coordinator::Do(const WorkerLost& action) { workers_.Remove(action.worker); }
 

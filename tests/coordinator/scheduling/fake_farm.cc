@@ -48,16 +48,13 @@ WorkerId FakeFarm::JoinAndAsk(int slots, int ahead) {
 
 void FakeFarm::Rejoin(WorkerId worker) {
   const FakeWorker& fake = At(worker);
-  WorkerJoined event{worker,
-                     "w" + std::to_string(worker.value()),
-                     {},
-                     {},
-                     fake.slots,
-                     fake.ahead,
-                     fake.memory_bytes,
-                     fake.tags,
-                     false,
-                     fake.algorithm_version};
+  WorkerJoined event{.worker = worker,
+                     .name = "w" + std::to_string(worker.value()),
+                     .slots = fake.slots,
+                     .ahead = fake.ahead,
+                     .memory_bytes = fake.memory_bytes,
+                     .tags = fake.tags,
+                     .algorithm_version = fake.algorithm_version};
   for (const auto& [key, artifact] : fake.store) event.artifacts.push_back(artifact);
   for (const auto& [lease, grant] : fake.running) event.running.push_back(lease);
   Send(event);

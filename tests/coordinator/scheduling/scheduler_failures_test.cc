@@ -133,7 +133,7 @@ TEST(Failures, AWorkerThatWasStartedAnewUnderItsNameHasDied) {
   }();
   const TaskId first = farm.Running(worker).task.spec.id;
   farm.At(worker).running.clear();
-  farm.Send(WorkerJoined{worker, "w1", {}, {}, 2, 1, 0, {}, true});
+  farm.Send(WorkerJoined{.worker = worker, .name = "w1", .slots = 2, .ahead = 1, .restarted = true});
   EXPECT_EQ(farm.attempts_ended.at(leases[0]).outcome, AttemptOutcome::kWorkerLost);
   EXPECT_EQ(farm.attempts_ended.at(leases[1]).outcome, AttemptOutcome::kWorkerLost);
   EXPECT_EQ(farm.attempts_ended.at(leases[2]).outcome, AttemptOutcome::kGivenBack) << "no slot had begun it";
@@ -200,7 +200,7 @@ TEST(Failures, ANamedWorkerThatIsStartedAgainAtOnceDiesNoMoreOftenThanAttemptsAl
   for (; deaths < 50 && !farm.IsIdle(worker) && farm.Running(worker).task.spec.id.kind == TaskKind::kPrepare;
        ++deaths) {
     farm.At(worker).running.clear();
-    farm.Send(WorkerJoined{worker, "w1", {}, {}, 1, 0, 0, {}, true});
+    farm.Send(WorkerJoined{.worker = worker, .name = "w1", .restarted = true});
     farm.Ask(worker);
   }
   EXPECT_EQ(deaths, 4);

@@ -140,7 +140,7 @@ TEST(SchedulerLeases, AWorkerThatSaysHelloAgainKeepsTheTaskItStillRuns) {
 TEST(SchedulerLeases, UnknownLeasesOfAHelloAreRevoked) {
   FakeFarm farm;
   const WorkerId worker = farm.Join();
-  farm.Send(WorkerJoined{worker, "w", {}, {LeaseId(77)}});
+  farm.Send(WorkerJoined{.worker = worker, .name = "w", .running = {LeaseId(77)}});
   ASSERT_EQ(farm.revokes.size(), 1U);
   EXPECT_EQ(farm.revokes[0].lease, LeaseId(77));
 }
