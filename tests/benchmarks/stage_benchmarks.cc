@@ -169,7 +169,7 @@ void MeasureFusion(benchmark::State& state, MeasuredFrames& frames) {
   problem.smoothness = &numbers.smoothness();
   for (const int map : {0, 1}) {
     const LabelField field =
-        EstimateBlock(frame.job, frame.analysis, nullptr, frame.num_blocks, map, {}, nullptr, floors).value();
+        EstimateBlock(frame.job, frame.analysis, nullptr, {frame.num_blocks, map}, {.floors = floors}).value();
     problem.labels[map] = numbers.ToNodes(field);
     problem.matches[map] =
         numbers.MatchesOnOwnLevels(problem.labels[map], std::vector<std::uint8_t>(problem.num_nodes, 0));

@@ -67,7 +67,8 @@ LabelField EstimateFrame(const ResolvedJob& job, const FrameAnalysis& analysis, 
   EstimationStats stats;
   for (int block = 0; block < num_blocks; ++block) {
     stats = {};
-    Result<LabelField> field = EstimateBlock(job, analysis, references, num_blocks, block, {}, &stats, floors);
+    Result<LabelField> field =
+        EstimateBlock(job, analysis, references, {num_blocks, block}, {.stats = &stats, .floors = floors});
     EXPECT_TRUE(field.ok()) << field.status().message();
     fields.push_back(std::move(field).value());
   }
@@ -80,8 +81,8 @@ LabelField EstimateFrame(const ResolvedJob& job, const FrameAnalysis& analysis, 
         continue;
       }
       stats = {};
-      Result<LabelField> field =
-          MergeLabels(job, analysis, first, fields[static_cast<std::size_t>(pair.second)], {}, &stats, floors);
+      Result<LabelField> field = MergeLabels(job, analysis, first, fields[static_cast<std::size_t>(pair.second)],
+                                             {.stats = &stats, .floors = floors});
       EXPECT_TRUE(field.ok()) << field.status().message();
       merged.push_back(std::move(field).value());
     }

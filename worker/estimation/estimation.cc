@@ -93,44 +93,42 @@ SearchSummary SearchInSteps(const EstimationParams& params, const FrameProblem& 
 }  // namespace
 
 Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
-                                 const TemporalReferences* references, int num_blocks, int block,
-                                 const std::stop_token& stop, EstimationStats* stats,
-                                 std::shared_ptr<RewardFloors> floors, int threads) {
-  if (num_blocks < 1 || num_blocks > job.params.levels || block < 0 || block >= num_blocks) {
-    return InvalidArgument("block " + std::to_string(block) + " of " + std::to_string(num_blocks) + " of " +
+                                 const TemporalReferences* references, const LevelBlock& block,
+                                 const EstimationRun& run) {
+  if (block.count < 1 || block.count > job.params.levels || block.index < 0 || block.index >= block.count) {
+    return InvalidArgument("block " + std::to_string(block.index) + " of " + std::to_string(block.count) + " of " +
                            std::to_string(job.params.levels) + " levels is asked for");
   }
   DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
   if (references != nullptr) DEPTHFARM_RETURN_IF_ERROR(CheckReferences(job, *references));
 
-  const FrameProblem frame(job, analysis, std::move(floors));
+  const FrameProblem frame(job, analysis, run.floors);
   LabellingProblem problem;
   problem.num_nodes = frame.num_nodes();
-  problem.levels = LevelsOfBlock(job.params.levels, num_blocks, job.params.partition, block);
+  problem.levels = LevelsOfBlock(job.params.levels, block.count, job.params.partition, block.index);
   problem.matches_per_node = frame.matches_per_node();
   problem.smoothness = frame.smoothness();
   problem.fixed.assign(frame.num_nodes(), 0);
   problem.view_begin = frame.FirstNodes();
   std::vector<Level> labels(frame.num_nodes(), problem.levels.front());
   if (references != nullptr) AdoptDepth(job, analysis, *references, frame, labels, problem.fixed);
-  const auto step = static_cast<std::size_t>(SearchStep(job, num_blocks));
+  const auto step = static_cast<std::size_t>(SearchStep(job, block.count));
   const SearchSummary summary = step > 1 && problem.levels.size() > step
-                                    ? SearchInSteps(job.params, frame, problem, step, labels, stop, threads)
-                                    : SearchLevels(job.params, frame, problem, labels, stop, threads);
+                                    ? SearchInSteps(job.params, frame, problem, step, labels, run.stop, run.threads)
+                                    : SearchLevels(job.params, frame, problem, labels, run.stop, run.threads);
   if (summary.cancelled) return Cancelled();
-  if (stats != nullptr) {
-    stats->sweeps = summary.sweeps;
-    stats->moves = summary.moves;
-    stats->energy = summary.energy;
-    stats->segments = static_cast<int>(frame.num_nodes());
-    for (const std::uint8_t fixed : problem.fixed) stats->nodes += fixed == 0 ? 1 : 0;
+  if (run.stats != nullptr) {
+    run.stats->sweeps = summary.sweeps;
+    run.stats->moves = summary.moves;
+    run.stats->energy = summary.energy;
+    run.stats->segments = static_cast<int>(frame.num_nodes());
+    for (const std::uint8_t fixed : problem.fixed) run.stats->nodes += fixed == 0 ? 1 : 0;
   }
   return frame.FromNodes(labels, problem.fixed);
 }
 
 Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& analysis, const LabelField& first,
-                               const LabelField& second, const std::stop_token& stop, EstimationStats* stats,
-                               std::shared_ptr<RewardFloors> floors) {
+                               const LabelField& second, const EstimationRun& run) {
   DEPTHFARM_RETURN_IF_ERROR(CheckAnalysis(job, analysis));
   DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, first));
   DEPTHFARM_RETURN_IF_ERROR(CheckLabels(job, analysis, second));
@@ -144,7 +142,7 @@ Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& anal
   for (const ViewLabels& view : first.views)
     unchanged.insert(unchanged.end(), view.unchanged.begin(), view.unchanged.end());
 
-  const FrameProblem frame(job, analysis, std::move(floors));
+  const FrameProblem frame(job, analysis, run.floors);
   FusionProblem problem;
   problem.num_nodes = frame.num_nodes();
   problem.matches_per_node = frame.matches_per_node();
@@ -152,12 +150,12 @@ Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& anal
   problem.labels[0] = frame.ToNodes(first);
   problem.labels[1] = frame.ToNodes(second);
   for (const int map : {0, 1}) problem.matches[map] = frame.MatchesOnOwnLevels(problem.labels[map], unchanged);
-  if (stop.stop_requested()) return Cancelled();
+  if (run.stop.stop_requested()) return Cancelled();
   const FusionResult fused = Fuse(problem);
-  if (stats != nullptr) {
-    stats->energy = fused.energy;
-    stats->segments = static_cast<int>(frame.num_nodes());
-    stats->nodes = static_cast<int>(std::count(unchanged.begin(), unchanged.end(), 0));
+  if (run.stats != nullptr) {
+    run.stats->energy = fused.energy;
+    run.stats->segments = static_cast<int>(frame.num_nodes());
+    run.stats->nodes = static_cast<int>(std::count(unchanged.begin(), unchanged.end(), 0));
   }
   return frame.FromNodes(fused.labels, unchanged);
 }

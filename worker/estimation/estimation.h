@@ -37,21 +37,32 @@ struct EstimationStats {
   int segments = 0;        // of all views
 };
 
-// Estimates the labels of one frame over the levels of block `block` of `num_blocks` (III, IV-A): memory to memory.
-// `references` is null for I frames. Unchanged segments keep the label of their reference whatever block it belongs to.
-// `floors`: what other parts of the frame have measured already (FloorMemory), or null. Same inputs, same result, on
-// any machine and any number of threads. Errors: kInvalidArgument when sizes do not fit the job; kCancelled.
+// How an estimation runs; what it computes does not depend on it.
+struct EstimationRun {
+  std::stop_token stop = {};
+  EstimationStats* stats = nullptr;                // filled where given
+  std::shared_ptr<RewardFloors> floors = nullptr;  // what other parts of the frame have measured already (FloorMemory)
+  int threads = 1;
+};
+
+// Part `index` (0 ... count - 1) of the `count` parts that the levels are split into.
+struct LevelBlock {
+  int count = 1;
+  int index = 0;
+};
+
+// Estimates the labels of one frame over the levels of a block (III, IV-A): memory to memory. `references` is null for
+// I frames. Unchanged segments keep the label of their reference whatever block it belongs to. Same inputs, same
+// result, on any machine and any number of threads. Errors: kInvalidArgument when sizes do not fit the job; kCancelled.
 [[nodiscard]] Result<LabelField> EstimateBlock(const ResolvedJob& job, const FrameAnalysis& analysis,
-                                               const TemporalReferences* references, int num_blocks, int block,
-                                               const std::stop_token& stop, EstimationStats* stats,
-                                               std::shared_ptr<RewardFloors> floors = nullptr, int threads = 1);
+                                               const TemporalReferences* references, const LevelBlock& block,
+                                               const EstimationRun& run = {});
 
 // Joins two partial results of the same frame into one by a two-label cut (IV-A, Fig. 3). E of the result is at most
 // the smaller of the two; ties keep the first. Errors as EstimateBlock, also where the two differ in what is unchanged.
 [[nodiscard]] Result<LabelField> MergeLabels(const ResolvedJob& job, const FrameAnalysis& analysis,
                                              const LabelField& first, const LabelField& second,
-                                             const std::stop_token& stop, EstimationStats* stats,
-                                             std::shared_ptr<RewardFloors> floors = nullptr);
+                                             const EstimationRun& run = {});
 
 // kInvalidArgument unless `analysis` has one analysis per view, of the view's size and with segments.
 [[nodiscard]] Status CheckAnalysis(const ResolvedJob& job, const FrameAnalysis& analysis);

@@ -165,9 +165,10 @@ Status TaskExecutor::Estimate(const Task& task, TaskOutcome& outcome) {
     references->i_labels = i_frame[0];
   }
   EstimationStats stats;
-  Result<LabelField> field =
-      EstimateBlock(task.job(), analysis, references.has_value() ? &*references : nullptr, num_blocks,
-                    task.spec.id.index, task.stop, &stats, floors_.Of(task.job(), analysis), threads_);
+  Result<LabelField> field = EstimateBlock(
+      task.job(), analysis, references.has_value() ? &*references : nullptr,
+      {.count = num_blocks, .index = task.spec.id.index},
+      {.stop = task.stop, .stats = &stats, .floors = floors_.Of(task.job(), analysis), .threads = threads_});
   if (!field.ok()) return field.status().WithContext(task.FrameName());
   Count(stats, outcome.stats);
   return Store(task, std::move(*field), outcome);
@@ -181,7 +182,8 @@ Status TaskExecutor::Merge(const Task& task, TaskOutcome& outcome) {
   DEPTHFARM_ASSIGN_OR_RETURN(const auto labels, task.inputs.Labels(InputRole::kLabels, 2));
   EstimationStats stats;
   Result<LabelField> field =
-      MergeLabels(task.job(), analysis, *labels[0], *labels[1], task.stop, &stats, floors_.Of(task.job(), analysis));
+      MergeLabels(task.job(), analysis, *labels[0], *labels[1],
+                  {.stop = task.stop, .stats = &stats, .floors = floors_.Of(task.job(), analysis)});
   if (!field.ok()) return field.status().WithContext(task.FrameName());
   Count(stats, outcome.stats);
   return Store(task, std::move(*field), outcome);

@@ -76,7 +76,7 @@ TEST(EstimateBlock, LabelsAreThoseOfTheOracleOnARealProblem) {
   const ResolvedJob job = SmallJob(params);
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
   EstimationStats stats;
-  const LabelField field = EstimateBlock(job, analysis, nullptr, 1, 0, {}, &stats).value();
+  const LabelField field = EstimateBlock(job, analysis, nullptr, {}, {.stats = &stats}).value();
 
   const FrameProblem frame(job, analysis);
   LabellingProblem problem;
@@ -121,7 +121,8 @@ TEST(EstimateBlock, HoldsOnlyLevelsOfItsBlock) {
   for (const Partition partition : {Partition::kContiguous, Partition::kInterleaved}) {
     params.partition = partition;
     const ResolvedJob job = SmallJob(params);
-    const LabelField field = EstimateBlock(job, test::Analyse(Scene(), job, 0), nullptr, 4, 1, {}, nullptr).value();
+    const LabelField field =
+        EstimateBlock(job, test::Analyse(Scene(), job, 0), nullptr, {.count = 4, .index = 1}).value();
     for (const ViewLabels& view : field.views) {
       for (const Level level : view.levels) {
         EXPECT_TRUE(partition == Partition::kContiguous ? level >= 6 && level < 12 : level % 4 == 1) << level;
@@ -136,7 +137,7 @@ TEST(EstimateBlock, APFrameEqualToItsReferencesKeepsAllDepth) {
   LabelField field = test::EstimateFrame(job, analysis, nullptr, 1);
   const TemporalReferences references = SelfReferences(analysis, field);
   EstimationStats stats;
-  const LabelField p_field = EstimateBlock(job, analysis, &references, 1, 0, {}, &stats).value();
+  const LabelField p_field = EstimateBlock(job, analysis, &references, {}, {.stats = &stats}).value();
   EXPECT_EQ(stats.nodes, 0);
   for (std::size_t v = 0; v < field.views.size(); ++v) {
     EXPECT_EQ(p_field.views[v].levels, field.views[v].levels);
@@ -180,7 +181,7 @@ TEST(EstimateBlock, LabelsOfAPFrameAreThoseOfTheWholeProblem) {
   const FrameAnalysis second = test::Analyse(Scene(), job, 1);
   const TemporalReferences references = SelfReferences(first, test::EstimateFrame(job, first, nullptr, 1));
   EstimationStats stats;
-  const LabelField field = EstimateBlock(job, second, &references, 1, 0, {}, &stats).value();
+  const LabelField field = EstimateBlock(job, second, &references, {}, {.stats = &stats}).value();
   ASSERT_GT(stats.nodes, 0);
   ASSERT_LT(stats.nodes, stats.segments);
 
@@ -207,14 +208,16 @@ TEST(EstimateBlock, LabelsOfAPFrameAreThoseOfTheWholeProblem) {
 TEST(EstimateBlock, RefusesAnalysesThatDoNotFitTheJob) {
   const ResolvedJob job = SmallJob(SmallParams());
   FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
-  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, 25, 0, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, 2, 2, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, {.count = 25, .index = 0}).status().code(),
+            ErrorCode::kInvalidArgument);
+  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, {.count = 2, .index = 2}).status().code(),
+            ErrorCode::kInvalidArgument);
   auto smaller = std::make_shared<ViewAnalysis>(*analysis[1]);
   smaller->segments.labels = Grid<SegmentIndex>(8, 8);
   analysis[1] = smaller;
-  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, 1, 0, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, {}).status().code(), ErrorCode::kInvalidArgument);
   analysis.pop_back();
-  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, 1, 0, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, {}).status().code(), ErrorCode::kInvalidArgument);
 }
 
 TEST(EstimateBlock, StopsWhenAsked) {
@@ -222,7 +225,7 @@ TEST(EstimateBlock, StopsWhenAsked) {
   std::stop_source stop;
   stop.request_stop();
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
-  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, 1, 0, stop.get_token(), nullptr).status().code(),
+  EXPECT_EQ(EstimateBlock(job, analysis, nullptr, {}, {.stop = stop.get_token()}).status().code(),
             ErrorCode::kCancelled);
 }
 
@@ -251,7 +254,7 @@ TEST(EstimateBlock, LevelsFinerThanAPixelAreFoundInSteps) {
   const FrameAnalysis second = test::Analyse(Scene(), job, 1);
   const TemporalReferences references = SelfReferences(first, field);
   EstimationStats stats;
-  const LabelField next = EstimateBlock(job, second, &references, 1, 0, {}, &stats).value();
+  const LabelField next = EstimateBlock(job, second, &references, {}, {.stats = &stats}).value();
   ASSERT_GT(stats.nodes, 0);
   ASSERT_LT(stats.nodes, stats.segments);
   // Unchanged segments count as on a level that is tried, but keep their own.
@@ -308,16 +311,16 @@ TEST(DepthCodes, AreTheIntersectionOfEachRayWithItsPlane) {
 TEST(MergeLabels, RefusesLabelsThatDoNotFit) {
   const ResolvedJob job = SmallJob(SmallParams());
   const FrameAnalysis analysis = test::Analyse(Scene(), job, 0);
-  const LabelField field = EstimateBlock(job, analysis, nullptr, 2, 0, {}, nullptr).value();
+  const LabelField field = EstimateBlock(job, analysis, nullptr, {.count = 2, .index = 0}).value();
   LabelField wrong = field;
   wrong.views[0].levels[0] = 24;
-  EXPECT_EQ(MergeLabels(job, analysis, field, wrong, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(MergeLabels(job, analysis, field, wrong).status().code(), ErrorCode::kInvalidArgument);
   wrong = field;
   wrong.views.pop_back();
-  EXPECT_EQ(MergeLabels(job, analysis, wrong, field, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(MergeLabels(job, analysis, wrong, field).status().code(), ErrorCode::kInvalidArgument);
   wrong = field;
   wrong.views[1].unchanged[3] = 1;
-  EXPECT_EQ(MergeLabels(job, analysis, field, wrong, {}, nullptr).status().code(), ErrorCode::kInvalidArgument);
+  EXPECT_EQ(MergeLabels(job, analysis, field, wrong).status().code(), ErrorCode::kInvalidArgument);
 }
 
 }  // namespace
