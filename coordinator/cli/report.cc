@@ -67,7 +67,9 @@ std::string OutputText(const v1::JobStatus& job) {
 std::string FailedTaskText(const v1::JobStatus& job) {
   if (!job.has_failed_task()) return {};
   std::string text = "  quarantined: " + NameWithinJob(job.failed_task()) + "; retry begins it anew\n";
-  for (const v1::TaskAttempt& attempt : job.failed_attempts()) {
+  for (v1::TaskAttempt attempt : job.failed_attempts()) {
+    // The job's reason is mostly that of its last attempt, after the name of the task: once is enough.
+    if (job.error().message().ends_with(attempt.error().message())) attempt.clear_error();
     text += "    attempt " + std::to_string(attempt.attempt()) + " on " + attempt.worker() + ", " +
             FormatDuration(attempt.seconds()) + ": " + OutcomeName(attempt.outcome()) + "\n" + NotesOf(attempt);
   }

@@ -110,6 +110,17 @@ TEST(FormatJob, NamesTheTaskThatFailedItAndHow) {
   EXPECT_TRUE(JobToJson(SomeJob())["failedTask"].is_null());
 }
 
+TEST(FormatJob, TellsTheReasonOfTheLastAttemptOnce) {
+  v1::JobStatus job = SomeJob();
+  job.set_state(v1::JOB_STATE_FAILED);
+  job.mutable_error()->set_message("job 3 frame 1 estimate block 0: w8: the disk is full");
+  job.mutable_failed_task()->set_job_id(3);
+  for (const char* const reason : {"w7: no route", "w8: the disk is full"})
+    job.add_failed_attempts()->mutable_error()->set_message(reason);
+  EXPECT_THAT(FormatJob(job), AllOf(HasSubstr("    reason: w7: no route\n"),
+                                    Not(HasSubstr("    reason: w8: the disk is full\n"))));
+}
+
 TEST(FormatJob, CountsDuplicates) {
   v1::JobStatus job = SomeJob();
   EXPECT_THAT(FormatJob(job), Not(HasSubstr("second worker")));
