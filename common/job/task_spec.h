@@ -131,6 +131,9 @@ struct TaskStats {
   std::uint32_t nodes = 0;              // Estimate: segments with a node (not unchanged)
   std::uint32_t segments = 0;           // Analyse: actual; Estimate: of all views
   bool reused = false;                  // the artifact was there already
+  // Analyse: a mask, Refine (last round): a prior was given that what the pictures tell contradicts; it changed nothing
+  // or next to nothing.
+  bool left_aside = false;
   bool operator==(const TaskStats&) const = default;
 };
 

@@ -14,7 +14,7 @@ namespace depthfarm {
 inline constexpr std::uint32_t kProtocolVersion = 8;
 // Raised by additions, which an older end may pass over (PROTOCOL.md, section 2, lists them): ends whose minor versions
 // differ talk to each other.
-inline constexpr std::uint32_t kProtocolMinor = 2;
+inline constexpr std::uint32_t kProtocolMinor = 3;
 
 // The bytes of one message; sets both versions.
 [[nodiscard]] std::string SerializeEnvelope(v1::Envelope envelope);

@@ -275,6 +275,7 @@ v1::TaskStats ToProto(const TaskStats& stats) {
   proto.set_nodes(stats.nodes);
   proto.set_segments(stats.segments);
   proto.set_reused(stats.reused);
+  proto.set_left_aside(stats.left_aside);
   return proto;
 }
 
@@ -290,6 +291,7 @@ TaskStats FromProto(const v1::TaskStats& proto) {
   stats.nodes = proto.nodes();
   stats.segments = proto.segments();
   stats.reused = proto.reused();
+  stats.left_aside = proto.left_aside();
   return stats;
 }
 

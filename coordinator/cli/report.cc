@@ -90,6 +90,20 @@ std::string ReusedText(const v1::JobStatus& job) {
   return "  reused " + std::to_string(reused) + " of " + std::to_string(CountTasks(job).total) + " tasks\n";
 }
 
+// What was given besides pictures and left aside, since they contradict it; nothing if nothing was.
+std::string LeftAsideText(const v1::JobStatus& job) {
+  std::string text;
+  for (const v1::StageStatus& stage : job.stages()) {
+    if (stage.left_aside() == 0) continue;
+    const bool masks = stage.kind() == v1::TASK_KIND_ANALYSE;
+    text += std::string("  left aside: the ") + (masks ? "masks" : "priors") + " of " +
+            std::to_string(stage.left_aside()) + (stage.left_aside() == 1 ? " picture" : " pictures") +
+            ", the first at " + NameWithinJob(stage.first_left_aside()) +
+            (masks ? ": their contours are not those of the pictures\n" : ": they do not agree with the pictures\n");
+  }
+  return text;
+}
+
 OrderedJson FailedAttemptsJson(const v1::JobStatus& job) {
   OrderedJson attempts = OrderedJson::array();
   for (const v1::TaskAttempt& attempt : job.failed_attempts()) attempts.push_back(AttemptToJson(attempt));
@@ -147,15 +161,19 @@ std::string FormatBytes(double bytes) {
 OrderedJson JobToJson(const v1::JobStatus& job) {
   OrderedJson stages = OrderedJson::array();
   for (const v1::StageStatus& stage : job.stages()) {
-    stages.push_back({{"stage", StageName(stage)},
-                      {"tasksDone", stage.tasks_done()},
-                      {"tasksTotal", stage.tasks_total()},
-                      {"cpuSeconds", stage.cpu_seconds()},
-                      {"wallSeconds", stage.wall_seconds()},
-                      {"peakMemoryBytes", stage.peak_memory_bytes()},
-                      {"fetchedBytes", stage.fetched_bytes()},
-                      {"sweeps", stage.sweeps()},
-                      {"reused", stage.reused()}});
+    stages.push_back(
+        {{"stage", StageName(stage)},
+         {"tasksDone", stage.tasks_done()},
+         {"tasksTotal", stage.tasks_total()},
+         {"cpuSeconds", stage.cpu_seconds()},
+         {"wallSeconds", stage.wall_seconds()},
+         {"peakMemoryBytes", stage.peak_memory_bytes()},
+         {"fetchedBytes", stage.fetched_bytes()},
+         {"sweeps", stage.sweeps()},
+         {"reused", stage.reused()},
+         {"leftAside", stage.left_aside()},
+         {"firstLeftAside",
+          stage.has_first_left_aside() ? OrderedJson(NameWithinJob(stage.first_left_aside())) : OrderedJson(nullptr)}});
   }
   OrderedJson error = nullptr;
   if (job.has_error() && job.error().code() != v1::CODE_OK) {
@@ -208,7 +226,7 @@ std::string FormatJob(const v1::JobStatus& job) {
   if (job.has_error() && job.error().code() != v1::CODE_OK) text += "  reason: " + job.error().message() + "\n";
   if (!job.summary().empty()) text += "  " + job.summary() + "\n";
   text += "  output: " + OutputText(job) + "\n";
-  text += ReusedText(job);
+  text += ReusedText(job) + LeftAsideText(job);
   if (job.retries() > 0) text += "  retries: " + std::to_string(job.retries()) + "\n";
   text += DuplicatesText(job) + FailedTaskText(job);
   if (job.determinism_violations() > 0) {

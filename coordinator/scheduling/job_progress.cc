@@ -297,6 +297,10 @@ Result<bool> JobProgress::Finish(const TaskFinished& result) {
   stage.fetched_bytes += result.stats.fetched_bytes;
   stage.sweeps += result.stats.sweeps;
   stage.reused += result.stats.reused ? 1 : 0;
+  if (result.stats.left_aside) {
+    ++stage.left_aside;
+    if (!stage.first_left_aside || id < *stage.first_left_aside) stage.first_left_aside = id;
+  }
   if (!result.stats.reused) remaining_.Measured(id, result.stats.wall_seconds);
   done_ = id.kind == TaskKind::kManifest || id.kind == TaskKind::kCleanup;
   MarkDone(id);

@@ -24,6 +24,8 @@ struct StageSnapshot {
   std::uint64_t fetched_bytes = 0;
   std::uint64_t sweeps = 0;
   std::uint64_t reused = 0;
+  std::uint64_t left_aside = 0;            // TaskStats::left_aside
+  std::optional<TaskId> first_left_aside;  // by frame, then view
 };
 
 struct RunningTask {

@@ -52,6 +52,8 @@ v1::JobStatus StatusToProto(const JobSnapshot& job, const std::string& summary, 
     added->set_fetched_bytes(stage.fetched_bytes);
     added->set_sweeps(stage.sweeps);
     added->set_reused(stage.reused);
+    added->set_left_aside(stage.left_aside);
+    if (stage.first_left_aside) *added->mutable_first_left_aside() = ToProto(*stage.first_left_aside);
   }
   status.set_elapsed_seconds(Seconds((job.state == JobState::kRunning ? now : job.ended) - job.submitted));
   if (job.seconds_left && job.state == JobState::kRunning) status.set_seconds_left(*job.seconds_left);

@@ -355,6 +355,8 @@ v1::JobStatus SmallStatus() {
   stage.set_tasks_done(3);
   stage.set_tasks_total(9);
   stage.set_cpu_seconds(12.5);
+  stage.set_left_aside(2);
+  *stage.mutable_first_left_aside() = ToProto(TaskId{JobId(7), 4, TaskKind::kMerge, 0, 1});
   *status.mutable_error() = ToProto(Corrupt("a reason"));
   return status;
 }

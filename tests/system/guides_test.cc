@@ -57,6 +57,31 @@ TEST_F(GuidedRuns, APriorChangesDepthAndGivesTheSameBytesOnAnyNumberOfWorkers) {
   EXPECT_THAT(ReadFile(folder_.path() / "without" / "depth.json"), Not(HasSubstr("prior")));
 }
 
+// What contradicts the pictures changes nothing, and that is told.
+TEST_F(GuidedRuns, AMaskAndAPriorThatAreLeftAsideAreReported) {
+  const std::string prior = ExactPrior();
+  std::string noise = "Pf\n160 120\n-1\n";
+  for (int pixel = 0; pixel < 160 * 120; ++pixel) {
+    const auto depth = static_cast<float>(2 + 0.4 * (pixel * 7 % 11));
+    noise.append(reinterpret_cast<const char*>(&depth), sizeof depth);
+  }
+  std::string checks = "P5\n160 120\n255\n";
+  for (int pixel = 0; pixel < 160 * 120; ++pixel) checks += pixel / 10 % 2 == pixel / 1600 % 2 ? '\0' : '\xff';
+  for (const char* camera : {"cam0", "cam1", "cam2"}) {
+    std::ofstream(fs::path(prior) / "depth" / camera / "0000.pfm") << noise;
+    fs::create_directories(folder_.path() / "masks" / camera);
+    std::ofstream(folder_.path() / "masks" / camera / "0000.png") << checks;
+  }
+  const Outcome exact = Run("exact", {"--prior", prior, "--frames", "1:2"});
+  ASSERT_EQ(exact.exit_code, 0) << exact.output;
+  EXPECT_THAT(exact.output, Not(HasSubstr("left aside")));
+  const Outcome run = Run("out", {"--prior", prior, "--mask", folder_ / "masks", "--frames", "0:1"});
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_THAT(run.output,
+              AllOf(HasSubstr("left aside: the masks of "), HasSubstr(": their contours are not those of the pictures"),
+                    HasSubstr("left aside: the priors of 3 pictures, the first at frame 0 refine")));
+}
+
 TEST_F(GuidedRuns, ARunBeforeIsAPrior) {
   ASSERT_EQ(Run("first", {"--confidence", "on"}).exit_code, 0);
   const Outcome run = Run("second", {"--prior", folder_ / "first"});

@@ -32,6 +32,7 @@ Status TaskExecutor::Analyse(const Task& task, TaskOutcome& outcome) {
 namespace {
 
 constexpr std::uint64_t kMaxGuideBytes = std::uint64_t{1} << 32;
+constexpr double kLeftAside = 0.1;  // of a mask that is worth less next to nothing is used
 
 // The bytes of the files that guide a view; nothing where there is none.
 struct GuideBytes {
@@ -154,7 +155,7 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
   }
   if (guides.mask.has_value()) {
     DEPTHFARM_RETURN_IF_ERROR(ApplyMask(*guides.mask, picture).WithContext(task.spec.guides.mask));
-    WeighMask(picture);
+    outcome.stats.left_aside = WeighMask(picture) < kLeftAside;
   }
   if (task.stop.stop_requested()) return Cancelled();
   DEPTHFARM_ASSIGN_OR_RETURN(ViewAnalysis analysis, SegmentsOf(task, view, std::move(picture)));

@@ -201,11 +201,14 @@ Status TaskExecutor::Refine(const Task& task, TaskOutcome& outcome) {
   }
   if (Reuse<RefinedView>(task, outcome)) return {};
   DEPTHFARM_RETURN_IF_ERROR(task.LoadInputs());
-  Result<RefinedView> refined =
-      round == 0 ? StartOf(task.spec, job, task.inputs)
-                 : RefineView(job, view, round, task.inputs.ListedAnalyses(InputRole::kAnalysis),
-                              task.inputs.ListedRefined(InputRole::kRefined), refining_, task.stop, threads_);
+  RefinementStats stats;
+  Result<RefinedView> refined = round == 0
+                                    ? StartOf(task.spec, job, task.inputs)
+                                    : RefineView(job, view, round, task.inputs.ListedAnalyses(InputRole::kAnalysis),
+                                                 task.inputs.ListedRefined(InputRole::kRefined), refining_,
+                                                 {.stop = task.stop, .stats = &stats, .threads = threads_});
   if (!refined.ok()) return refined.status().WithContext(task.FrameName());
+  outcome.stats.left_aside = stats.prior_left_aside;
   return Store(task, std::move(*refined), outcome);
 }
 

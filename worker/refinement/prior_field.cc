@@ -246,6 +246,13 @@ std::optional<PriorField> FitPrior(const ViewPrior& prior, const PriorScale& sca
   return field;
 }
 
+double TrustedShare(const PriorField* prior) {
+  if (prior == nullptr) return 0;
+  const auto known = std::ranges::count(prior->known, 1);
+  const auto trusted = std::ranges::count_if(prior->trust, [](float trust) { return trust >= kTrusted; });
+  return known > 0 ? static_cast<double>(trusted) / static_cast<double>(known) : 0;
+}
+
 void TakePrior(const PictureColours& own, const SegmentMap& segments, const PriorField& prior,
                std::span<const std::uint8_t> decided, std::span<const OtherView> others, RefinedView& view) {
   const std::size_t num_segments = segments.centers.size();

@@ -53,6 +53,9 @@ struct PriorScale {
                                                  const SegmentMap& segments, std::span<const std::uint8_t> told,
                                                  const RefinedView& view);
 
+// The share of the segments of which the prior knows the depth where it is trusted, 0 to 1; null: 0.
+[[nodiscard]] double TrustedShare(const PriorField* prior);
+
 // Gives segments the prior's plane where it is to be had and fits the other views better, or where it is trusted and
 // fits about as well. Not to those of which `decided` is 1, nor to kept ones.
 void TakePrior(const PictureColours& own, const SegmentMap& segments, const PriorField& prior,

@@ -25,6 +25,7 @@ constexpr int kBlurredRounds = 1;  // on smoothed pictures: a wider basin while 
 constexpr int kPlainRound = 1;     // surfaces without texture are decided as a whole
 constexpr double kFirstGapScale = 1;
 constexpr double kLastGapScale = 0.2;
+constexpr double kLeftAside = 0.1;  // trusted at a smaller share of its segments a prior does next to nothing
 
 Status CheckPicture(const Camera& camera, const ViewAnalysis& analysis) {
   const YcbcrImage& picture = analysis.picture;
@@ -172,14 +173,13 @@ Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const View
 }
 
 Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
-                               const FrameRefinement& before, const std::stop_token& stop) {
+                               const FrameRefinement& before, const RefinementRun& run) {
   ViewMemory memory;
-  return RefineView(job, view, round, analysis, before, memory, stop);
+  return RefineView(job, view, round, analysis, before, memory, run);
 }
 
 Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
-                               const FrameRefinement& before, ViewMemory& memory, const std::stop_token& stop,
-                               int threads) {
+                               const FrameRefinement& before, ViewMemory& memory, const RefinementRun& run) {
   const int rounds = job.params.refine_rounds;
   if (round < 1 || round > rounds) {
     return InvalidArgument("refinement round " + std::to_string(round) + " of " + std::to_string(rounds) +
@@ -197,48 +197,51 @@ Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, cons
   const FrameAnalysis analyses = InOrder(analysis, view, geometry);
   ViewMemory::Smoothed smoothed;
   if (blur || round == kPlainRound || has_prior) {
-    smoothed = memory.SmoothedOf(blur || round == kPlainRound ? analyses : FrameAnalysis{analysis[v]}, threads);
+    smoothed = memory.SmoothedOf(blur || round == kPlainRound ? analyses : FrameAnalysis{analysis[v]}, run.threads);
   } else {
     memory.ForgetSmoothed();
   }
-  const ViewMemory::Maps maps = memory.MapsOf(InOrder(before, view, geometry), threads);
+  const ViewMemory::Maps maps = memory.MapsOf(InOrder(before, view, geometry), run.threads);
   const auto colours = [&](std::size_t i) -> PictureColours {
     if (blur) return smoothed[i]->colours;
     return analyses[i]->picture;
   };
   const PictureColours own = colours(0);
   std::vector<OtherView> others(geometry.pairs.size());
-  ParallelFor(others.size(), threads, [&](std::size_t i) {
+  ParallelFor(others.size(), run.threads, [&](std::size_t i) {
     OtherView other{.pair = &geometry.pairs[i], .colour = colours(i + 1), .map = maps[i + 1].get()};
     other.sigma = MeasureNoise(own, *maps[0], other);
     others[i] = other;
   });
-  if (stop.stop_requested()) return Cancelled();
+  if (run.stop.stop_requested()) return Cancelled();
 
   RefinedView refined = *before[v];
   const SegmentMap& segments = analysis[v]->segments;
   std::optional<PriorField> prior;
   if (has_prior) prior = PriorOf(job, v, *analysis[v], geometry.pixels_per_inverse_depth, smoothed[0]->plain, refined);
   const PriorField* prior_or_null = prior.has_value() ? &*prior : nullptr;
+  if (run.stats != nullptr && has_prior && round == rounds)
+    run.stats->prior_left_aside = TrustedShare(prior_or_null) < kLeftAside;
   const FreePixels free(refined);
   InverseDepthMap map = *maps[0];
   if (round == kPlainRound) {
-    DecideRegions(analyses, smoothed, own, others, prior_or_null, refined, stop, threads);
-    if (stop.stop_requested()) return Cancelled();
-    UpdateMap(refined, free, map, threads);
+    DecideRegions(analyses, smoothed, own, others, prior_or_null, refined, run.stop, run.threads);
+    if (run.stop.stop_requested()) return Cancelled();
+    UpdateMap(refined, free, map, run.threads);
   }
-  std::vector<NormalEquations> data = DataTerm(own, refined, free, map, segments.centers, others, blur, stop, threads);
+  std::vector<NormalEquations> data =
+      DataTerm(own, refined, free, map, segments.centers, others, blur, run.stop, run.threads);
   if (prior_or_null != nullptr) AddPrior(*prior_or_null, refined, segments.centers, data);
-  if (agree) AddAgreement(*before[v], segments.centers, others, data, threads);
-  if (stop.stop_requested()) return Cancelled();
+  if (agree) AddAgreement(*before[v], segments.centers, others, data, run.threads);
+  if (run.stop.stop_requested()) return Cancelled();
   const double progress = rounds > 1 ? static_cast<double>(round - 1) / (rounds - 1) : 1;
-  SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined, threads);
-  if (stop.stop_requested()) return Cancelled();
+  SolvePlanes(segments, data, kFirstGapScale + (kLastGapScale - kFirstGapScale) * progress, refined, run.threads);
+  if (run.stop.stop_requested()) return Cancelled();
   if (agree) {
-    UpdateMap(refined, free, map, threads);
-    ChoosePlanes(analysis[v]->picture, segments.labels, map, others, prior_or_null, refined, stop, threads);
+    UpdateMap(refined, free, map, run.threads);
+    ChoosePlanes(analysis[v]->picture, segments.labels, map, others, prior_or_null, refined, run.stop, run.threads);
   }
-  if (stop.stop_requested()) return Cancelled();
+  if (run.stop.stop_requested()) return Cancelled();
   return refined;
 }
 

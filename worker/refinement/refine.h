@@ -34,6 +34,18 @@ struct RefinementReferences {
 [[nodiscard]] Result<RefinedView> StartRefinement(const ResolvedJob& job, int view, const ViewAnalysis& analysis,
                                                   const ViewLabels& labels, const RefinementReferences* references);
 
+// What a round found, for status.
+struct RefinementStats {
+  bool prior_left_aside = false;  // of the last round: the view's prior is trusted at hardly any segment
+};
+
+// How a round runs; what it computes does not depend on it.
+struct RefinementRun {
+  std::stop_token stop = {};
+  RefinementStats* stats = nullptr;  // filled where given
+  int threads = 1;
+};
+
 // Round `round` (1 .. params.refine_rounds) of a view: Gauss-Newton on the colour differences against the views it is
 // compared with (JobView::compared), one slanted plane per segment; the first round on smoothed pictures (unless pixels
 // choose in it), after surfaces without texture have been decided as a whole, the last params.choice_rounds on sharp
@@ -43,9 +55,9 @@ struct RefinementReferences {
 // `memory` saves time. The result is the same on any number of threads. Errors: as StartRefinement; kCancelled.
 [[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
                                              const FrameRefinement& before, ViewMemory& memory,
-                                             const std::stop_token& stop = {}, int threads = 1);
+                                             const RefinementRun& run = {});
 [[nodiscard]] Result<RefinedView> RefineView(const ResolvedJob& job, int view, int round, const FrameAnalysis& analysis,
-                                             const FrameRefinement& before, const std::stop_token& stop = {});
+                                             const FrameRefinement& before, const RefinementRun& run = {});
 
 // Depth codes of the view's files (as DepthCodes): 0 more than a pixel of u behind infinity, where no plane is in front
 // of the view; else within the view's own range.

@@ -82,11 +82,12 @@ double ContrastAlongMask(const YcbcrImage& picture) {
   return along.Mean() / std::max(kLeastStep, beside.Mean());
 }
 
-void WeighMask(YcbcrImage& picture) {
+double WeighMask(YcbcrImage& picture) {
   const double contrast = ContrastAlongMask(picture);
   const double trust = std::clamp((contrast - kNoTrust) / (kFullTrust - kNoTrust), 0.0, 1.0);
-  if (trust == 1) return;
-  for (Ycbcr& pixel : picture.values()) pixel.matte = static_cast<std::uint8_t>(std::lround(pixel.matte * trust));
+  if (trust < 1)
+    for (Ycbcr& pixel : picture.values()) pixel.matte = static_cast<std::uint8_t>(std::lround(pixel.matte * trust));
+  return contrast > 0 ? trust : 1;
 }
 
 }  // namespace depthfarm

@@ -11,8 +11,9 @@ namespace depthfarm {
 [[nodiscard]] double ContrastAlongMask(const YcbcrImage& picture);
 
 // Leaves the mask as it is where its contours follow the picture's (contrast 2), weakens it below, drops it at 1.3: its
-// edges would be taken for depth edges.
-void WeighMask(YcbcrImage& picture);
+// edges would be taken for depth edges. Returns how much of it is left, 0 to 1; 1 also for a mask without contours, of
+// which nothing can be.
+double WeighMask(YcbcrImage& picture);
 
 }  // namespace depthfarm
 

@@ -49,7 +49,7 @@ TEST(Envelope, OfAKindThatOnlyTheOtherEndKnowsNamesBothVersions) {
   envelope.GetReflection()->MutableUnknownFields(&envelope)->AddLengthDelimited(4000, "");
   const Status status = ParseEnvelope(envelope.SerializeAsString()).status();
   EXPECT_EQ(status.code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(status.message(), "a message that this end, of protocol 8.2, does not know; the peer has protocol 8.3");
+  EXPECT_EQ(status.message(), "a message that this end, of protocol 8.3, does not know; the peer has protocol 8.4");
 }
 
 TEST(Envelope, WithoutABodyIsCorrupt) {

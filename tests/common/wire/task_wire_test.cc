@@ -123,7 +123,7 @@ TEST(ArtifactInfoWire, ComesBackAndRefusesEmptyOrHugeOnes) {
 }
 
 TEST(TaskStatsWire, EveryFieldComesBackAndNonsenseCountsNothing) {
-  const TaskStats sent{1.5, 1.25, 1 << 20, 0.5, 4096, 3, -17, 9, 11, true};
+  const TaskStats sent{1.5, 1.25, 1 << 20, 0.5, 4096, 3, -17, 9, 11, true, true};
   EXPECT_EQ(FromProto(ToProto(sent)), sent);
   v1::TaskStats hostile;
   hostile.set_wall_seconds(std::numeric_limits<double>::quiet_NaN());

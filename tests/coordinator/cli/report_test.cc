@@ -117,8 +117,32 @@ TEST(FormatJob, TellsTheReasonOfTheLastAttemptOnce) {
   job.mutable_failed_task()->set_job_id(3);
   for (const char* const reason : {"w7: no route", "w8: the disk is full"})
     job.add_failed_attempts()->mutable_error()->set_message(reason);
-  EXPECT_THAT(FormatJob(job), AllOf(HasSubstr("    reason: w7: no route\n"),
-                                    Not(HasSubstr("    reason: w8: the disk is full\n"))));
+  EXPECT_THAT(FormatJob(job),
+              AllOf(HasSubstr("    reason: w7: no route\n"), Not(HasSubstr("    reason: w8: the disk is full\n"))));
+}
+
+TEST(FormatJob, TellsWhatOfTheGivenWasLeftAside) {
+  v1::JobStatus job = SomeJob();
+  EXPECT_THAT(FormatJob(job), Not(HasSubstr("left aside")));
+  EXPECT_TRUE(JobToJson(job)["stages"][0]["firstLeftAside"].is_null());
+  v1::StageStatus& analyse = *job.mutable_stages(0);
+  analyse.set_left_aside(2);
+  analyse.mutable_first_left_aside()->set_job_id(3);
+  analyse.mutable_first_left_aside()->set_frame(4);
+  analyse.mutable_first_left_aside()->set_kind(v1::TASK_KIND_ANALYSE);
+  analyse.mutable_first_left_aside()->set_index(1);
+  v1::StageStatus& refine = *job.add_stages();
+  refine.set_kind(v1::TASK_KIND_REFINE);
+  refine.set_left_aside(1);
+  *refine.mutable_first_left_aside() = analyse.first_left_aside();
+  refine.mutable_first_left_aside()->set_kind(v1::TASK_KIND_REFINE);
+  EXPECT_THAT(
+      FormatJob(job),
+      AllOf(HasSubstr("  left aside: the masks of 2 pictures, the first at frame 4 analyse view 1: their contours "
+                      "are not those of the pictures\n"),
+            HasSubstr("  left aside: the priors of 1 picture, the first at frame 4 refine ")));
+  EXPECT_EQ(JobToJson(job)["stages"][0]["leftAside"], 2);
+  EXPECT_EQ(JobToJson(job)["stages"][0]["firstLeftAside"], "frame 4 analyse view 1");
 }
 
 TEST(FormatJob, CountsDuplicates) {

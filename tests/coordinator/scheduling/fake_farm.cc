@@ -131,7 +131,12 @@ TaskFinished FakeFarm::ResultOf(FakeWorker& worker, const Grant& grant) {
     EXPECT_TRUE(emitted.contains({spec.id.job, spec.staging})) << spec.staging;
     EXPECT_EQ(spec.files.at(0).sha256, Sha256(spec.staging));
   }
-  result.stats = {2, 1, 1000, 0, 10, 3, 0, 0, 0, false};
+  result.stats = {.wall_seconds = 2,
+                  .cpu_seconds = 1,
+                  .peak_memory_bytes = 1000,
+                  .fetched_bytes = 10,
+                  .sweeps = 3,
+                  .left_aside = left_aside.contains(spec.id)};
   return result;
 }
 

@@ -89,6 +89,7 @@ class FakeFarm {
   std::vector<Note> notes;
   std::map<JobId, CommittedFrames> committed;
   std::set<std::pair<JobId, std::string>> emitted;  // staging folders
+  std::set<TaskId> left_aside;                      // tasks that tell so
 
  private:
   void Apply(const std::vector<Action>& actions);

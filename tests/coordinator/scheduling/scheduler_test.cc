@@ -278,6 +278,20 @@ TEST(Scheduler, ASecondTickAtTheSameTimeDoesNothing) {
   EXPECT_TRUE(farm.scheduler.Tick(farm.now).empty());
 }
 
+TEST(Scheduler, CountsWhatTasksLeftAsideAndNamesTheFirstOfThem) {
+  FakeFarm farm;
+  const auto analyse = [](int frame, int view) { return TaskId{JobId(1), frame, TaskKind::kAnalyse, view}; };
+  farm.left_aside = {analyse(1, 0), analyse(0, 1), analyse(1, 1)};
+  farm.Submit(MakePlannedJob({.frames = 2, .views = 2}));
+  farm.JoinAndAsk();
+  farm.RunToTheEnd();
+  const auto& stages = farm.ended.at(JobId(1)).stages;
+  const StageSnapshot& analyses = stages[static_cast<std::size_t>(TaskKind::kAnalyse)];
+  EXPECT_EQ(analyses.left_aside, 3U);
+  EXPECT_EQ(analyses.first_left_aside, analyse(0, 1));
+  EXPECT_EQ(stages[static_cast<std::size_t>(TaskKind::kEstimate)].left_aside, 0U);
+}
+
 TEST(Scheduler, TellsWhatIsLeftOfAJobOnItsShareOfTheFarm) {
   FakeFarm farm;
   const PlannedJob job = MakePlannedJob({.frames = 20, .gop = 1});

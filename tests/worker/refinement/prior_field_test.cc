@@ -72,6 +72,7 @@ TEST_F(PriorOfAScene, ARightOneIsTrustedAndDecidesThePlainRegion) {
   ASSERT_TRUE(prior.has_value());
   EXPECT_NEAR(PlaneAt(*prior, 62, 40), kBoard + kBent, 0.02);
   EXPECT_GT(TrustAt(*prior, 62, 40), 0.9);
+  EXPECT_GT(TrustedShare(&*prior), 0.7);
   EXPECT_NEAR(prior->At(62, 40).value(), kBoard + kBent, 0.01);
   EXPECT_EQ(BoardWith(nullptr), kBoard);
   EXPECT_NEAR(BoardWith(&*prior), kBoard + kBent, 0.02);
@@ -117,6 +118,8 @@ TEST_F(PriorOfAScene, NoiseIsNotTrusted) {
   const auto prior = Fit(values);
   ASSERT_TRUE(prior.has_value());
   for (const float trust : prior->trust) EXPECT_EQ(trust, 0);
+  EXPECT_EQ(TrustedShare(&*prior), 0);
+  EXPECT_EQ(TrustedShare(nullptr), 0);
   EXPECT_EQ(BoardWith(&*prior), BoardWith(nullptr));
 }
 

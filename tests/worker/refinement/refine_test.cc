@@ -143,7 +143,7 @@ TEST(RefineView, IsTheSameOnAnyNumberOfThreads) {
       const FrameRefinement expected = scene.Round(scene.analysis, before, round);
       ViewMemory memory;
       for (int view = 0; view < scene.job.num_views(); ++view) {
-        EXPECT_EQ(RefineView(scene.job, view, round, scene.analysis, before, memory, {}, threads).value(),
+        EXPECT_EQ(RefineView(scene.job, view, round, scene.analysis, before, memory, {.threads = threads}).value(),
                   *expected[static_cast<std::size_t>(view)])
             << "view " << view << ", round " << round << ", " << threads << " threads";
       }
@@ -237,7 +237,7 @@ TEST(RefineView, StopsWhenAsked) {
   const Scene scene;
   std::stop_source stop;
   stop.request_stop();
-  EXPECT_EQ(RefineView(scene.job, 0, 1, scene.analysis, scene.Start(), stop.get_token()).status().code(),
+  EXPECT_EQ(RefineView(scene.job, 0, 1, scene.analysis, scene.Start(), {.stop = stop.get_token()}).status().code(),
             ErrorCode::kCancelled);
 }
 

@@ -36,7 +36,7 @@ TEST(WeighMask, KeepsAMaskThatFollowsThePicture) {
   YcbcrImage picture = Square(0, 0);
   const YcbcrImage before = picture;
   EXPECT_GT(ContrastAlongMask(picture), 3);
-  WeighMask(picture);
+  EXPECT_EQ(WeighMask(picture), 1);
   EXPECT_EQ(picture, before);
 }
 
@@ -44,7 +44,7 @@ TEST(WeighMask, DropsOneThatIsGrownOrShifted) {
   for (const auto& [grown, off] : {std::pair{3, 0}, std::pair{-3, 0}, std::pair{0, 12}}) {
     YcbcrImage picture = Square(grown, off);
     EXPECT_LT(ContrastAlongMask(picture), 1.3) << grown << " " << off;
-    WeighMask(picture);
+    EXPECT_EQ(WeighMask(picture), 0);
     EXPECT_EQ(HighestMatte(picture), 0);
   }
 }
@@ -54,6 +54,7 @@ TEST(WeighMask, OneWithoutContoursIsOfNoUse) {
   EXPECT_EQ(ContrastAlongMask(picture), 0);
   for (Ycbcr& pixel : picture.values()) pixel.matte = kForegroundMatte;
   EXPECT_EQ(ContrastAlongMask(picture), 0);
+  EXPECT_EQ(WeighMask(picture), 1) << "nothing of it is left aside that would have said something";
 }
 
 }  // namespace
