@@ -1,7 +1,6 @@
 #include "common/files/atomic_file.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -44,34 +43,40 @@ Status SyncFolderOf(const std::string& path) {
   return {};
 }
 
+Result<std::string> ReadExactly(const std::string& path, const OpenFile& file, std::uint64_t offset,
+                                std::uint64_t count) {
+  try {
+    std::string bytes(static_cast<std::size_t>(count), '\0');
+    DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t read, ReadUpTo(path, file, offset, bytes));
+    if (read < bytes.size()) return Unavailable(path + ": shrank while it was read");
+    return bytes;
+  } catch (const std::bad_alloc&) {
+    return Unavailable(path + ": no memory for its " + std::to_string(count) + " bytes");
+  }
+}
+
 }  // namespace
 
 Result<std::string> ReadFileBytes(const std::string& path, std::uint64_t max_bytes) {
-  // O_NONBLOCK: opening a pipe without a writer would wait for ever; it has no effect on regular files.
-  const OpenFile file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  const OpenFile file = OpenToRead(path);
   if (!file.ok()) return FileFailure(path, "open the file");
-  struct stat facts {};
-  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
-  if (!S_ISREG(facts.st_mode)) return InvalidArgument(path + ": is not a regular file");
-  const auto size = static_cast<std::uint64_t>(facts.st_size);
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::uint64_t size, SizeOfRegular(path, file));
   if (size > max_bytes) {
     return InvalidArgument(path + ": holds " + std::to_string(size) + " bytes, expected at most " +
                            std::to_string(max_bytes));
   }
-  try {
-    std::string bytes(static_cast<std::size_t>(size), '\0');
-    std::size_t have = 0;
-    while (have < bytes.size()) {
-      const ssize_t got = read(file.descriptor(), bytes.data() + have, bytes.size() - have);
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) return FileFailure(path, "read the file");
-      if (got == 0) return Unavailable(path + ": shrank while it was read");
-      have += static_cast<std::size_t>(got);
-    }
-    return bytes;
-  } catch (const std::bad_alloc&) {
-    return Unavailable(path + ": no memory for its " + std::to_string(size) + " bytes");
+  return ReadExactly(path, file, 0, size);
+}
+
+Result<std::string> ReadFileRange(const std::string& path, std::uint64_t offset, std::uint64_t count) {
+  const OpenFile file = OpenToRead(path);
+  if (!file.ok()) return FileFailure(path, "open the file");
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::uint64_t size, SizeOfRegular(path, file));
+  if (offset > size || count > size - offset) {
+    return InvalidArgument(path + ": holds " + std::to_string(size) + " bytes, expected " + std::to_string(count) +
+                           " from byte " + std::to_string(offset) + " on");
   }
+  return ReadExactly(path, file, offset, count);
 }
 
 Status WriteFileAtomically(const std::string& path, std::string_view bytes, Durability durability) {

@@ -16,6 +16,10 @@ namespace depthfarm {
 //         block, a folder has no bytes), or holds more than `max_bytes`: both numbers are said. All name the path.
 [[nodiscard]] Result<std::string> ReadFileBytes(const std::string& path, std::uint64_t max_bytes);
 
+// `count` bytes of a regular file from `offset` on. Errors: as ReadFileBytes; kInvalidArgument where the file ends
+// before: its size and the place are said.
+[[nodiscard]] Result<std::string> ReadFileRange(const std::string& path, std::uint64_t offset, std::uint64_t count);
+
 enum class Durability {
   kCached,  // survives the death of the process
   kSynced,  // survives the loss of power too: file and folder are synced before the call returns

@@ -1,5 +1,7 @@
 #include "common/files/open_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -16,6 +18,18 @@ bool OpenFile::Close() {
 
 Status FileFailure(const std::string& path, const std::string& action) {
   return Unavailable(path + ": cannot " + action + ": " + std::generic_category().message(errno));
+}
+
+OpenFile OpenToRead(const std::string& path) {
+  // O_NONBLOCK has no effect on regular files.
+  return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+}
+
+Result<std::uint64_t> SizeOfRegular(const std::string& path, const OpenFile& file) {
+  struct stat facts {};
+  if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
+  if (!S_ISREG(facts.st_mode)) return InvalidArgument(path + ": is not a regular file");
+  return static_cast<std::uint64_t>(facts.st_size);
 }
 
 Result<std::size_t> ReadUpTo(const std::string& path, const OpenFile& file, std::uint64_t offset,

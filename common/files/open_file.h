@@ -31,6 +31,13 @@ class OpenFile {
 // kUnavailable "<path>: cannot <action>: <the system's reason>", the reason by errno.
 [[nodiscard]] Status FileFailure(const std::string& path, const std::string& action);
 
+// Opens a file to read it; a pipe without a writer does not make it wait. Not ok(): see FileFailure.
+[[nodiscard]] OpenFile OpenToRead(const std::string& path);
+
+// Bytes of a regular file. `path` is for the message. Errors: kUnavailable when it cannot be examined;
+// kInvalidArgument: it is not a regular file (a pipe would block, a folder has no bytes).
+[[nodiscard]] Result<std::uint64_t> SizeOfRegular(const std::string& path, const OpenFile& file);
+
 // From `offset` on, as many bytes as there are, at most as `bytes` has room for; returns how many. `path` is for the
 // message. Errors: kUnavailable when the file cannot be read.
 [[nodiscard]] Result<std::size_t> ReadUpTo(const std::string& path, const OpenFile& file, std::uint64_t offset,

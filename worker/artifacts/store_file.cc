@@ -22,7 +22,7 @@ FileId IdOf(const struct stat& facts) {
           static_cast<std::uint64_t>(facts.st_size)};
 }
 
-OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)); }
+OpenFile OpenStored(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW)); }
 
 constexpr std::size_t kDigestStepBytes = std::size_t{1} << 20;
 
@@ -53,7 +53,7 @@ Status WriteStoreFile(const std::string& path, const Sha256Digest& content_diges
 }
 
 Result<StoreFileHeader> ReadStoreFileHeader(const std::string& path) {
-  const OpenFile file = OpenToRead(path);
+  const OpenFile file = OpenStored(path);
   if (!file.ok()) return FileFailure(path, "open the file");
   struct stat facts {};
   if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
@@ -85,13 +85,13 @@ std::optional<FileId> IdOfFile(const std::string& path) {
 
 Status ReadStoreFileBytes(const std::string& path, const FileId& expected, std::uint64_t offset,
                           std::span<char> bytes) {
-  const OpenFile file = OpenToRead(path);
+  const OpenFile file = OpenStored(path);
   DEPTHFARM_RETURN_IF_ERROR(CheckId(path, file, expected));
   return ReadAt(path, file, kStoreFileHeaderBytes + offset, bytes);
 }
 
 Result<Sha256Digest> DigestOfStoreFile(const std::string& path, const FileId& expected) {
-  const OpenFile file = OpenToRead(path);
+  const OpenFile file = OpenStored(path);
   DEPTHFARM_RETURN_IF_ERROR(CheckId(path, file, expected));
   Sha256Hasher hasher;
   std::string step(kDigestStepBytes, '\0');

@@ -1,6 +1,5 @@
 #include "worker/transfer/served_files.h"
 
-#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,9 +16,6 @@ namespace {
 
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 32;
 constexpr std::size_t kPieceBytes = std::size_t{1} << 20;
-
-// O_NONBLOCK: opening a pipe without a writer would wait for ever; it has no effect on regular files.
-OpenFile OpenToRead(const std::string& path) { return OpenFile(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)); }
 
 bool SameTime(const timespec& a, const timespec& b) { return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec; }
 
