@@ -19,6 +19,7 @@
 #include "common/log/log_collector.h"
 #include "common/transport/descriptor_limit.h"
 #include "common/transport/endpoint.h"
+#include "common/video_input/video_module.h"
 #include "common/wire/bounds.h"
 #include "worker/minding/minder.h"
 #include "worker/service/death_notice.h"
@@ -125,6 +126,7 @@ Status ConfineTo(const WorkerOptions& options) {
     const std::filesystem::path folder = std::filesystem::absolute(parsed.path).parent_path();
     access.sockets.push_back(parsed.path == "*" ? std::filesystem::temp_directory_path() : folder);
   }
+  (void)LoadVideoModule();  // it may lie outside of what is left; where there is none, a video's task says so
   return ConfineFiles(access);
 }
 

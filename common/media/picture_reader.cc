@@ -55,10 +55,29 @@ YcbcrImage Converted(const cv::Mat& image, int downscale, double max) {
 
 }  // namespace
 
-Result<std::string> ReadPictureBytes(const std::string& path, const PictureFormat& format, int width, int height) {
-  const bool raw = format.kind != PictureFormat::Kind::kImage;
-  return ReadFileBytes(path,
-                       raw ? std::max(RawPictureBytes(format, width, height), kMaxImageFileBytes) : kMaxImageFileBytes);
+Result<PictureBytes> ReadPictureBytes(const PictureFile& file, VideoReaders* videos) {
+  if (file.format.kind == PictureFormat::Kind::kVideo) {
+    VideoReaders alone;
+    return (videos != nullptr ? videos : &alone)
+        ->Read({file.path, file.format, file.width, file.height}, file.position);
+  }
+  PictureBytes picture{.bytes = {}, .format = file.format};
+  picture.format.all_frames = false;
+  const std::uint64_t raw_bytes = file.format.raw() ? RawPictureBytes(file.format, file.width, file.height) : 0;
+  if (file.format.all_frames) {
+    DEPTHFARM_ASSIGN_OR_RETURN(
+        picture.bytes, ReadFileRange(file.path, static_cast<std::uint64_t>(file.position) * raw_bytes, raw_bytes));
+  } else {
+    DEPTHFARM_ASSIGN_OR_RETURN(picture.bytes, ReadFileBytes(file.path, std::max(raw_bytes, kMaxImageFileBytes)));
+  }
+  return picture;
+}
+
+Sha256Digest DigestOf(const PictureFile& file, const PictureBytes& picture) {
+  if (file.format.kind != PictureFormat::Kind::kVideo) return Sha256(picture.bytes);
+  const PictureFormat& format = picture.format;
+  return Sha256(RawFormatName(format) + (format.full_range ? " full" : " limited") +
+                (format.bt709 ? " bt709 " : " bt601 ") + Hex(Sha256(picture.bytes)));
 }
 
 Result<YcbcrImage> DecodePicture(std::string_view bytes, const PictureFormat& format, int width, int height,
@@ -70,7 +89,7 @@ Result<YcbcrImage> DecodePicture(std::string_view bytes, const PictureFormat& fo
     return InvalidArgument("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
                            " pixels has nothing left when it is made " + std::to_string(downscale) + " times smaller");
   }
-  if (format.kind != PictureFormat::Kind::kImage) return DecodeRawPicture(bytes, format, width, height, downscale);
+  if (format.raw()) return DecodeRawPicture(bytes, format, width, height, downscale);
   DEPTHFARM_ASSIGN_OR_RETURN(const cv::Mat image, DecodeImage(bytes));
   if (image.cols != width || image.rows != height) {
     return InvalidArgument("has " + std::to_string(image.cols) + "x" + std::to_string(image.rows) +
@@ -81,11 +100,10 @@ Result<YcbcrImage> DecodePicture(std::string_view bytes, const PictureFormat& fo
                                 : Converted<std::uint16_t>(image, downscale, 65535);
 }
 
-Result<YcbcrImage> ReadPicture(const std::string& path, const PictureFormat& format, int width, int height,
-                               int downscale) {
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes, ReadPictureBytes(path, format, width, height));
-  auto picture = DecodePicture(bytes, format, width, height, downscale);
-  if (!picture.ok()) return picture.status().WithContext(path);
+Result<YcbcrImage> ReadPicture(const PictureFile& file, int downscale, VideoReaders* videos) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const PictureBytes read, ReadPictureBytes(file, videos));
+  auto picture = DecodePicture(read.bytes, read.format, file.width, file.height, downscale);
+  if (!picture.ok()) return picture.status().WithContext(file.path);
   return picture;
 }
 

@@ -11,8 +11,6 @@ namespace {
 
 int BytesPerSample(int bits) { return bits > 8 ? 2 : 1; }
 
-int HalfSize(int size) { return (size + 1) / 2; }
-
 Status CheckSize(std::string_view bytes, const PictureFormat& format, int width, int height) {
   const std::uint64_t expected = RawPictureBytes(format, width, height);
   if (bytes.size() == expected) return {};
@@ -42,13 +40,15 @@ Result<Grid<std::uint16_t>> TakePlane(std::string_view* bytes, const PictureForm
 constexpr std::int64_t kUpsamplingScale = 8;
 
 // Chroma at pixel (x, y) of the full resolution, times kUpsamplingScale.
-std::int64_t ChromaAt(const Grid<std::uint16_t>& plane, int x, int y) {
-  const int column = x / 2;
-  const int next_column = std::min(column + x % 2, plane.width() - 1);
+std::int64_t ChromaAt(const Grid<std::uint16_t>& plane, ChromaShift shift, int x, int y) {
+  const auto across = [&](int row) {
+    if (shift.x == 0) return 2 * std::int64_t{plane(x, row)};
+    const int column = x / 2;
+    return std::int64_t{plane(column, row)} + plane(std::min(column + x % 2, plane.width() - 1), row);
+  };
+  if (shift.y == 0) return 4 * across(y);
   const int row = y / 2;
-  const int other_row = std::clamp(y % 2 == 0 ? row - 1 : row + 1, 0, plane.height() - 1);
-  const auto across = [&](int r) { return std::int64_t{plane(column, r)} + plane(next_column, r); };
-  return 3 * across(row) + across(other_row);
+  return 3 * across(row) + across(std::clamp(y % 2 == 0 ? row - 1 : row + 1, 0, plane.height() - 1));
 }
 
 // What turns averaged samples into 8-bit units.
@@ -85,10 +85,12 @@ Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat&
   DEPTHFARM_RETURN_IF_ERROR(CheckSize(bytes, format, width, height));
   DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> luma, TakePlane(&bytes, format, width, height));
   std::array<Grid<std::uint16_t>, 2> chroma;
-  const bool coloured = format.kind == PictureFormat::Kind::kYuv420;
+  const bool coloured = format.kind != PictureFormat::Kind::kYuv400;
+  const ChromaShift shift = ChromaShiftOf(format.kind);
   for (Grid<std::uint16_t>& plane : chroma) {
     if (!coloured) break;
-    DEPTHFARM_ASSIGN_OR_RETURN(plane, TakePlane(&bytes, format, HalfSize(width), HalfSize(height)));
+    DEPTHFARM_ASSIGN_OR_RETURN(plane,
+                               TakePlane(&bytes, format, (width + shift.x) >> shift.x, (height + shift.y) >> shift.y));
   }
   const RangeConversion conversion = ConversionOf(format);
   const double pixels = downscale * downscale;
@@ -100,7 +102,7 @@ Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat&
       for (int sy = y * downscale; sy < (y + 1) * downscale; ++sy) {
         for (int sx = x * downscale; sx < (x + 1) * downscale; ++sx) {
           y_sum += luma(sx, sy);
-          for (std::size_t c = 0; coloured && c < 2; ++c) chroma_sum[c] += ChromaAt(chroma[c], sx, sy);
+          for (std::size_t c = 0; coloured && c < 2; ++c) chroma_sum[c] += ChromaAt(chroma[c], shift, sx, sy);
         }
       }
       YcbcrReal colour;
@@ -120,7 +122,7 @@ Result<YcbcrImage> DecodeRawPicture(std::string_view bytes, const PictureFormat&
 }
 
 std::string EncodeRawYuv420(const RgbImage& picture, int bits) {
-  const PictureFormat format = {PictureFormat::Kind::kYuv420, bits, true, false};
+  const PictureFormat format = {.kind = PictureFormat::Kind::kYuv420, .bits = bits, .full_range = true};
   const RangeConversion conversion = ConversionOf(format);
   std::string bytes;
   bytes.reserve(RawPictureBytes(format, picture.width(), picture.height()));
@@ -144,7 +146,7 @@ std::string EncodeRawYuv420(const RgbImage& picture, int bits) {
 
 std::string EncodeLimitedYuv420(const YcbcrImage& picture) {
   // Of whole 8-bit units there are few: a table for luma and one for the eightfold mean of chroma.
-  const PictureFormat format = {PictureFormat::Kind::kYuv420, 8, false, false};
+  const PictureFormat format = {.kind = PictureFormat::Kind::kYuv420};
   const RangeConversion conversion = ConversionOf(format);
   std::string luma;
   for (int y = 0; y < 256; ++y) AppendSample(conversion.black + y / conversion.y_scale, 8, luma);

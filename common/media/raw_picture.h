@@ -14,9 +14,9 @@ namespace depthfarm {
 
 // Raw planar picture -> Y'CbCr, 1/downscale of the size (see DecodePicture for the contract of sizes and rounding).
 //
-//   Chroma of 4:2:0 lies as in MPEG-2 and H.264 by default: on the even columns, half-way between the rows. It is
-//   brought to full resolution linearly, weights 1 and 1/2, 1/2 across, 3/4, 1/4 down, edges repeated, in exact
-//   integers. Then, at full precision, box average, range and matrix:
+//   Chroma of 4:2:0 lies as in MPEG-2 and H.264 by default: on the even columns, half-way between the rows; that of
+//   4:2:2 on the even columns. It is brought to full resolution linearly, weights 1 and 1/2, 1/2 across, 3/4, 1/4 down,
+//   edges repeated, in exact integers. Then, at full precision, box average, range and matrix:
 //     limited  Y' = 255 (v - 16) / 219, C = 255 (v - 128) / 224 with v in 8-bit units (sample / 2^(bits - 8))
 //     full     Y' = 255 v / (2^bits - 1), C = 255 (v - 2^(bits - 1)) / (2^bits - 1)
 //   4:0:0 gives Cb = Cr = 128.

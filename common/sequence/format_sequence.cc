@@ -14,9 +14,13 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;  // keeps the order of writing: the file is read by people too
 
+std::string RelativePath(const std::string& path, const std::filesystem::path& folder) {
+  return std::filesystem::path(path).lexically_relative(folder).string();
+}
+
 OrderedJson PathsOf(const std::vector<std::string>& paths, const std::filesystem::path& folder) {
   OrderedJson list = OrderedJson::array();
-  for (const std::string& path : paths) list.push_back(std::filesystem::path(path).lexically_relative(folder).string());
+  for (const std::string& path : paths) list.push_back(RelativePath(path, folder));
   return list;
 }
 
@@ -28,13 +32,16 @@ void AddRange(std::optional<double> z_near, std::optional<double> z_far, Ordered
 OrderedJson CameraJson(const SequenceCamera& entry, const std::filesystem::path& folder) {
   OrderedJson json = CameraFieldsJson(entry.camera);
   AddRange(entry.z_near, entry.z_far, json);
-  json["images"] = PathsOf(entry.images, folder);
+  const PictureFormat& format = entry.format;
+  const bool video = format.of_all_frames() && !entry.images.empty();
+  if (!video) json["images"] = PathsOf(entry.images, folder);
   if (!entry.masks.empty()) json["masks"] = PathsOf(entry.masks, folder);
   if (!entry.depth.empty()) json["depth"] = PathsOf(entry.depth, folder);
-  if (entry.format.kind != PictureFormat::Kind::kImage) {
-    json["format"] = RawFormatName(entry.format);
-    json["range"] = entry.format.full_range ? "full" : "limited";
-    json["matrix"] = entry.format.bt709 ? "bt709" : "bt601";
+  if (video) json["video"] = {{"path", RelativePath(entry.images.front(), folder)}, {"frames", entry.images.size()}};
+  if (format.raw()) (video ? json["video"] : json)["format"] = RawFormatName(format);
+  if (format.raw() || format.colour_said) {
+    json["range"] = format.full_range ? "full" : "limited";
+    json["matrix"] = format.bt709 ? "bt709" : "bt601";
   }
   return json;
 }

@@ -44,23 +44,33 @@ Result<bool> ReadChoice(const JsonFields& fields, std::string_view key, std::str
                     " or " + std::string(yes));
 }
 
+Status ReadColour(const JsonFields& fields, PictureFormat& format) {
+  DEPTHFARM_ASSIGN_OR_RETURN(format.full_range, ReadChoice(fields, "range", "limited", "full"));
+  DEPTHFARM_ASSIGN_OR_RETURN(format.bt709, ReadChoice(fields, "matrix", "bt601", "bt709"));
+  return {};
+}
+
+// The 'format' of raw pictures. `others`: what files without one are.
+Status ReadRawFormat(const JsonFields& fields, const std::string& others, PictureFormat& format) {
+  DEPTHFARM_ASSIGN_OR_RETURN(const std::string name, fields.String("format"));
+  if (ParseRawFormat(name, &format)) return {};
+  return fields.Bad("'format' is " + Shortened(Json(name)) + ", expected " + kRawFormatNames + ", or no 'format' for " +
+                    others);
+}
+
 Result<PictureFormat> ReadFormat(const JsonFields& fields) {
   PictureFormat format;
   if (!fields.Has("format")) {
     for (const std::string_view key : {"range", "matrix"}) {
       if (fields.Has(key)) {
-        return fields.Bad("'" + std::string(key) + "' is given without 'format': it applies to raw pictures only");
+        return fields.Bad("'" + std::string(key) +
+                          "' is given without 'format': it applies to raw pictures and videos only");
       }
     }
     return format;
   }
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::string name, fields.String("format"));
-  if (!ParseRawFormat(name, &format)) {
-    return fields.Bad("'format' is " + Shortened(Json(name)) + ", expected " + kRawFormatNames +
-                      ", or no 'format' for image files");
-  }
-  DEPTHFARM_ASSIGN_OR_RETURN(format.full_range, ReadChoice(fields, "range", "limited", "full"));
-  DEPTHFARM_ASSIGN_OR_RETURN(format.bt709, ReadChoice(fields, "matrix", "bt601", "bt709"));
+  DEPTHFARM_RETURN_IF_ERROR(ReadRawFormat(fields, "image files", format));
+  DEPTHFARM_RETURN_IF_ERROR(ReadColour(fields, format));
   return format;
 }
 
@@ -140,13 +150,14 @@ class SequenceReader {
     DEPTHFARM_ASSIGN_OR_RETURN(JsonFields fields, JsonFields::Of(value, CameraWhere(value, position), kKeys));
     SequenceCamera result;
     DEPTHFARM_RETURN_IF_ERROR(ReadCalibration(fields, position, &result));
-    if (fields.Has("video")) {
-      return fields.Bad("'video': video files are not supported yet: list one file per frame in 'images'");
-    }
     if (fields.Has("notes")) DEPTHFARM_RETURN_IF_ERROR(fields.String("notes").status());
-    DEPTHFARM_ASSIGN_OR_RETURN(result.format, ReadFormat(fields));
-    DEPTHFARM_RETURN_IF_ERROR(fields.Value("images").status());
-    DEPTHFARM_ASSIGN_OR_RETURN(result.images, Paths(fields, "images"));
+    if (fields.Has("video")) {
+      DEPTHFARM_RETURN_IF_ERROR(ReadVideo(fields, result));
+    } else {
+      DEPTHFARM_ASSIGN_OR_RETURN(result.format, ReadFormat(fields));
+      DEPTHFARM_RETURN_IF_ERROR(fields.Value("images").status());
+      DEPTHFARM_ASSIGN_OR_RETURN(result.images, Paths(fields, "images"));
+    }
     DEPTHFARM_ASSIGN_OR_RETURN(result.masks, Paths(fields, "masks"));
     DEPTHFARM_ASSIGN_OR_RETURN(result.depth, Paths(fields, "depth"));
     DEPTHFARM_RETURN_IF_ERROR(ReadRange(fields, &result.z_near, &result.z_far));
@@ -155,6 +166,52 @@ class SequenceReader {
                                          result.z_far ? result.z_far : sequence_.z_far));
     sequence_.cameras.push_back(std::move(result));
     return {};
+  }
+
+  // {"path", "frames"} and, of raw pictures one after the other, "format"; range and matrix stand beside it, as those
+  // of pictures do.
+  Status ReadVideo(const JsonFields& camera, SequenceCamera& result) const {
+    static constexpr std::array<std::string_view, 3> kKeys = {"path", "format", "frames"};
+    if (camera.Has("images") || camera.Has("format"))
+      return camera.Bad("has 'video' and 'images' or 'format', expected either a video or pictures");
+    DEPTHFARM_ASSIGN_OR_RETURN(const Json* value, camera.Value("video"));
+    DEPTHFARM_ASSIGN_OR_RETURN(const JsonFields video, JsonFields::Of(*value, camera.where() + ": 'video'", kKeys));
+    DEPTHFARM_ASSIGN_OR_RETURN(std::string path, video.String("path"));
+    DEPTHFARM_ASSIGN_OR_RETURN(path, ResolvePath(folder_, path, video.where() + ": 'path'", options_.allow_outside));
+    if (video.Has("format")) {
+      DEPTHFARM_RETURN_IF_ERROR(ReadRawFormat(video, "coded videos (mp4, mkv, y4m, ...)", result.format));
+      result.format.all_frames = true;
+    } else {
+      result.format.kind = PictureFormat::Kind::kVideo;
+      result.format.colour_said = camera.Has("range");
+      if (camera.Has("range") != camera.Has("matrix"))
+        return camera.Bad("has one of 'range' and 'matrix', expected both, or none to take what the video says");
+    }
+    DEPTHFARM_RETURN_IF_ERROR(ReadColour(camera, result.format));
+    std::int64_t frames = 0;
+    if (video.Has("frames") || !result.format.raw()) {
+      DEPTHFARM_ASSIGN_OR_RETURN(frames, video.Integer("frames", 1, kMaxFrames));
+    } else {
+      DEPTHFARM_ASSIGN_OR_RETURN(frames, RawFramesOf(video, path, result));
+    }
+    result.images.assign(static_cast<std::size_t>(frames), path);
+    return {};
+  }
+
+  // Pictures that a file of raw ones holds.
+  static Result<std::int64_t> RawFramesOf(const JsonFields& video, const std::string& path,
+                                          const SequenceCamera& camera) {
+    std::error_code error;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+    if (error) return video.Bad("has no 'frames', and " + path + " cannot be looked at: " + error.message());
+    const std::uint64_t picture = RawPictureBytes(camera.format, camera.camera.width, camera.camera.height);
+    if (bytes == 0 || bytes % picture != 0 || bytes / picture > kMaxFrames) {
+      return video.Bad("has no 'frames', and " + path + " holds " + std::to_string(bytes) + " bytes, expected 1 to " +
+                       std::to_string(kMaxFrames) + " pictures of " + std::to_string(picture) + " (" +
+                       std::to_string(camera.camera.width) + "x" + std::to_string(camera.camera.height) + " " +
+                       RawFormatName(camera.format) + ")");
+    }
+    return static_cast<std::int64_t>(bytes / picture);
   }
 
   Status ReadCalibration(const JsonFields& fields, const std::string& position, SequenceCamera* result) {

@@ -10,17 +10,29 @@
 
 namespace depthfarm {
 
-// How one picture file holds its samples.
+// How the file of a picture holds its samples.
 struct PictureFormat {
   enum class Kind {
     kImage,   // of a kind that DecodeImage takes (common/media/image_codec.h)
     kYuv420,  // planar Y, Cb, Cr without a header, chroma of half width and height (rounded up)
     kYuv400,  // a Y plane without a header
+    kYuv422,  // as kYuv420, chroma of half width and full height
+    kYuv444,  // as kYuv420, chroma of full size
+    kVideo,   // a coded video in a container (common/video_input/video_reader.h), of all frames
   };
   Kind kind = Kind::kImage;
-  int bits = 8;             // raw kinds: 8, or 9..16 stored little-endian in two bytes
-  bool full_range = false;  // raw kinds: false = 16-235 / 16-240
-  bool bt709 = false;       // raw kinds: false = BT.601
+  int bits = 8;  // raw kinds: 8, or 9..16 stored little-endian in two bytes
+  // Raw kinds, and kVideo where `colour_said`: false = 16-235 / 16-240; false = BT.601.
+  bool full_range = false;
+  bool bt709 = false;
+  // Raw kinds: the file holds all frames, one after the other without anything between them.
+  bool all_frames = false;
+  // kVideo: range and matrix are those of above, whatever the stream says of them.
+  bool colour_said = false;
+  // Planes without a header.
+  [[nodiscard]] bool raw() const { return kind != Kind::kImage && kind != Kind::kVideo; }
+  // Whether a file holds the pictures of all frames, that of frame f at position f.
+  [[nodiscard]] bool of_all_frames() const { return all_frames || kind == Kind::kVideo; }
   bool operator==(const PictureFormat&) const = default;
 };
 
@@ -45,10 +57,12 @@ struct PriorFormat {
 struct SequenceCamera {
   Camera camera;
   PictureFormat format;
-  std::vector<std::string> images;  // absolute paths; empty = calibrated but without pictures: not estimated
-  std::vector<std::string> masks;   // absolute paths, optional; "": none for that frame. Grey: 0 background, full white
-                                    // foreground
-  std::vector<std::string> depth;   // absolute paths of supplied (estimated) depth, optional
+  // Absolute paths; empty = calibrated but without pictures: not estimated. The same for all frames where
+  // format.of_all_frames().
+  std::vector<std::string> images;
+  std::vector<std::string> masks;  // absolute paths, optional; "": none for that frame. Grey: 0 background, full white
+                                   // foreground
+  std::vector<std::string> depth;  // absolute paths of supplied (estimated) depth, optional
   // Of --prior, absolute paths; "": none for that frame. Empty without a prior.
   PriorFormat prior_format;
   std::vector<std::string> prior;

@@ -52,6 +52,8 @@ Result<SequenceCamera> CameraFromProto(const v1::SequenceCamera& proto) {
   DEPTHFARM_RETURN_IF_ERROR(CheckCount(name + "images", proto.images_size(), kMaxFrames));
   for (const std::string& image : proto.images()) {
     DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath(name + "image", image));
+    if (camera.format.of_all_frames() && !camera.images.empty() && image != camera.images.front())
+      return InvalidArgument(name + "frames of a video have two files, " + camera.images.front() + " and " + image);
     camera.images.push_back(image);
   }
   DEPTHFARM_RETURN_IF_ERROR(ReadGuides(name + "masks", proto.masks(), camera.images.size(), camera.masks));
@@ -126,10 +128,21 @@ v1::PictureFormat ToProto(const PictureFormat& format) {
     case PictureFormat::Kind::kYuv400:
       proto.set_kind(v1::PICTURE_KIND_YUV400);
       break;
+    case PictureFormat::Kind::kYuv422:
+      proto.set_kind(v1::PICTURE_KIND_YUV422);
+      break;
+    case PictureFormat::Kind::kYuv444:
+      proto.set_kind(v1::PICTURE_KIND_YUV444);
+      break;
+    case PictureFormat::Kind::kVideo:
+      proto.set_kind(v1::PICTURE_KIND_VIDEO);
+      break;
   }
   proto.set_bits(static_cast<std::uint32_t>(format.bits));
   proto.set_full_range(format.full_range);
   proto.set_bt709(format.bt709);
+  proto.set_all_frames(format.all_frames);
+  proto.set_colour_said(format.colour_said);
   return proto;
 }
 
@@ -145,14 +158,28 @@ Result<PictureFormat> FromProto(const v1::PictureFormat& proto) {
     case v1::PICTURE_KIND_YUV400:
       format.kind = PictureFormat::Kind::kYuv400;
       break;
+    case v1::PICTURE_KIND_YUV422:
+      format.kind = PictureFormat::Kind::kYuv422;
+      break;
+    case v1::PICTURE_KIND_YUV444:
+      format.kind = PictureFormat::Kind::kYuv444;
+      break;
+    case v1::PICTURE_KIND_VIDEO:
+      format.kind = PictureFormat::Kind::kVideo;
+      break;
     default:
       return InvalidArgument("picture format is " + std::to_string(proto.kind()) +
-                             ", expected image, yuv420 or yuv400");
+                             ", expected image, yuv420, yuv400, yuv422, yuv444 or video");
   }
   DEPTHFARM_ASSIGN_OR_RETURN(format.bits, BoundedInt("picture bits", proto.bits(), 16));
   if (format.bits < 8) return InvalidArgument("picture bits is " + std::to_string(format.bits) + ", expected 8 to 16");
   format.full_range = proto.full_range();
   format.bt709 = proto.bt709();
+  format.all_frames = proto.all_frames();
+  format.colour_said = proto.colour_said();
+  if (format.all_frames && !format.raw()) return InvalidArgument("pictures of all frames in one file are no raw ones");
+  if (format.colour_said && format.kind != PictureFormat::Kind::kVideo)
+    return InvalidArgument("range and matrix are said of pictures that are no video");
   return format;
 }
 

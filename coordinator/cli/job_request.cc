@@ -9,6 +9,7 @@
 
 #include "common/sequence/guides.h"
 #include "common/sequence/output_layout.h"
+#include "common/sequence/picture_format.h"
 #include "common/sequence/read_sequence.h"
 #include "common/text/text_table.h"
 
@@ -51,7 +52,7 @@ std::string GuidesText(const ResolvedJob& job) {
   return text;
 }
 
-// What can be said of a file without decoding it. `what`: picture or mask.
+// What can be said of a file without decoding it. `what`: picture, video or mask.
 Status CheckFile(const std::string& camera, int frame, const char* what, const std::string& file) {
   const auto bad = [&](const std::string& reason) {
     return InvalidArgument("camera '" + camera + "', frame " + std::to_string(frame) + ": " + what + " " + file + ": " +
@@ -65,6 +66,21 @@ Status CheckFile(const std::string& camera, int frame, const char* what, const s
   return {};
 }
 
+Status CheckPicture(const SequenceCamera& camera, int frame) {
+  const std::string& path = camera.images[static_cast<std::size_t>(frame)];
+  const bool video = camera.format.of_all_frames();
+  DEPTHFARM_RETURN_IF_ERROR(CheckFile(camera.camera.name, frame, video ? "video" : "picture", path));
+  if (!camera.format.all_frames) return {};
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  const std::uint64_t picture = RawPictureBytes(camera.format, camera.camera.width, camera.camera.height);
+  if (error || bytes / picture > static_cast<std::uint64_t>(frame)) return {};  // read errors are the worker's to tell
+  return InvalidArgument("camera '" + camera.camera.name + "', frame " + std::to_string(frame) + ": video " + path +
+                         " holds " + std::to_string(bytes / picture) + " pictures of " +
+                         std::to_string(camera.camera.width) + "x" + std::to_string(camera.camera.height) + " " +
+                         RawFormatName(camera.format));
+}
+
 }  // namespace
 
 Status CheckPictures(const Sequence& sequence, const ResolvedJob& job) {
@@ -75,7 +91,7 @@ Status CheckPictures(const Sequence& sequence, const ResolvedJob& job) {
                                             [](const SequenceCamera& camera) { return camera.camera.name; });
       if (source == sequence.cameras.end() || sequence_frame >= static_cast<int>(source->images.size())) continue;
       const auto position = static_cast<std::size_t>(sequence_frame);
-      DEPTHFARM_RETURN_IF_ERROR(CheckFile(view.camera.name, sequence_frame, "picture", source->images[position]));
+      DEPTHFARM_RETURN_IF_ERROR(CheckPicture(*source, sequence_frame));
       if (position >= source->masks.size() || source->masks[position].empty()) continue;
       DEPTHFARM_RETURN_IF_ERROR(CheckFile(view.camera.name, sequence_frame, "mask", source->masks[position]));
     }

@@ -99,6 +99,7 @@ constexpr double kMatchOfAll = 6;    // of a segment, a level and a neighbour, e
 constexpr double kMatchOfFew = 1.5;  // a quarter has a reward
 constexpr double kRefiningPixel = 110;
 constexpr double kEmittingPixel = 8;
+constexpr double kDecoderPixel = 14;  // of a coded video: what a picture refers to; H.264 of 1920x1080 has 27 MiB
 
 // Checking, decompressing and decoding what another worker made, per stored byte: what jobs of two and four workers
 // took more than those of one, 12 to 30 ns, which is in part what the views of a round share on one worker.
@@ -162,7 +163,8 @@ TaskCost CostModel::Analyse(bool i_frame, const JobView& view) const {
   const double pixels = PixelsOf(view);
   const double source = static_cast<double>(view.source_width) * static_cast<double>(view.source_height);
   return Cost(kDecodePixel * source + kAnalysePixel * pixels * (i_frame ? 1 : kAnalysedShareOfPFrame),
-              kAnalysingPixel * pixels + AnalysisBytes(pixels, view.segments),
+              kAnalysingPixel * pixels + AnalysisBytes(pixels, view.segments) +
+                  (view.format.kind == PictureFormat::Kind::kVideo ? kDecoderPixel * source : 0),
               kAnalysisPixelStored * pixels + kAnalysisSegmentStored * view.segments);
 }
 

@@ -48,6 +48,12 @@ Status Upload::AddFiles(const Sequence& sequence, const ResolvedJob& job, const 
     const SequenceCamera& camera = sequence.cameras[c];
     const auto estimated = [&](const JobView& view) { return view.camera.name == camera.camera.name; };
     if (std::ranges::none_of(job.views, estimated)) continue;
+    if (camera.format.of_all_frames() && !camera.images.empty()) {
+      return InvalidArgument(
+          "camera '" + camera.camera.name + "': " + camera.images.front() +
+          " is a video, and pictures of one frame are what --upload serves: put it where the workers "
+          "see it, or make a file of each frame");
+    }
     UploadSubmission::CameraFiles& files = submission_.cameras[c];
     for (const FileList& list :
          {FileList{camera.images, files.images}, FileList{camera.masks, files.masks},

@@ -52,7 +52,7 @@ test::RenderedSequence FirstFrameOf(const std::string& file) {
   read.pictures.emplace_back();
   for (const SequenceCamera& camera : read.sequence.cameras) {
     read.pictures.back().push_back(
-        ValueOrExit(ReadPicture(camera.images.front(), camera.format, camera.camera.width, camera.camera.height, 1)));
+        ValueOrExit(ReadPicture({camera.images.front(), camera.format, camera.camera.width, camera.camera.height}, 1)));
   }
   return read;
 }

@@ -28,13 +28,14 @@ Result<std::vector<YcbcrImage>> ReadFrame(const Sequence& sequence, const Resolv
     const JobView& view = job.views[v];
     for (const SequenceCamera& camera : sequence.cameras) {
       if (camera.camera.name != view.camera.name) continue;
-      const std::string& path = camera.images[static_cast<std::size_t>(frame)];
-      DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes,
-                                 ReadPictureBytes(path, view.format, view.source_width, view.source_height));
-      auto picture = DecodePicture(bytes, view.format, view.source_width, view.source_height, job.params.downscale);
-      if (!picture.ok()) return picture.status().WithContext(path);
+      const PictureFile file{camera.images[static_cast<std::size_t>(frame)], view.format, view.source_width,
+                             view.source_height, frame};
+      DEPTHFARM_ASSIGN_OR_RETURN(const PictureBytes read, ReadPictureBytes(file));
+      auto picture =
+          DecodePicture(read.bytes, read.format, view.source_width, view.source_height, job.params.downscale);
+      if (!picture.ok()) return picture.status().WithContext(file.path);
       pictures.push_back(std::move(*picture));
-      cameras[v].input_sha256.push_back(Hex(Sha256(bytes)));
+      cameras[v].input_sha256.push_back(Hex(DigestOf(file, read)));
     }
   }
   return pictures;

@@ -139,7 +139,19 @@ TEST(BadInput, PicturesThatAreNotThere) {
       WithCameraKey("a control character", "images", {"cam1/0000.png", "a\tb"}, {"cam1", "frame 1", "control"}),
       WithCameraKey("an unknown format", "format", "nv12", {"cam1", "'format' is \"nv12\"", "yuv420p8"}),
       WithCameraKey("a range of image files", "range", "full", {"cam1", "'range'", "raw pictures"}),
-      WithCameraKey("a video", "video", "a.mp4", {"cam1", "video", "one file per frame"}),
+      WithCameraKey("a video and pictures", "video", {{"path", "a.mp4"}, {"frames", 2}}, {"cam1", "either a video"}),
+      WithEdit("a video that is missing",
+               [](json& s) {
+                 s["cameras"][1].erase("images");
+                 s["cameras"][1]["video"] = {{"path", "a.mp4"}, {"frames", 2}};
+               },
+               {"camera 'cam1', frame 0", "video {scene}/a.mp4", "No such file"}),
+      WithEdit("a raw video that is too short",
+               [](json& s) {
+                 s["cameras"][1].erase("images");
+                 s["cameras"][1]["video"] = {{"path", "cam1/0000.png"}, {"frames", 2}, {"format", "yuv444p16le"}};
+               },
+               {"camera 'cam1', frame 0", "cam1/0000.png holds 0 pictures of 64x48 yuv444p16le"}),
       WithCameraKey("a mask too few", "masks", {"m.png"}, {"'cam1'", "'masks' has 1 entries", "one per frame, 2"}),
       {.name = "no bytes",
        .arrange = [](const BadCase& bad) { bad.Write(bad.scene() / "cam2" / "0001.png", ""); },

@@ -118,15 +118,17 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
   GuideBytes guides;
   YcbcrImage picture;
   {
-    std::string bytes;
+    PictureBytes read_picture{.bytes = {}, .format = view.format};
     AnalysisDigests digests;
     if (task.spec.uploads) {
       digests = DigestsOf(task.spec.uploads->files);
     } else {
       DEPTHFARM_ASSIGN_OR_RETURN(guides, ReadGuides(read, task.spec));
       DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(path));
-      DEPTHFARM_ASSIGN_OR_RETURN(bytes, ReadPictureBytes(path, view.format, view.source_width, view.source_height));
-      digests = {.picture = Sha256(bytes),
+      const PictureFile file{path, view.format, view.source_width, view.source_height,
+                             params.first_frame + task.spec.id.frame};
+      DEPTHFARM_ASSIGN_OR_RETURN(read_picture, ReadPictureBytes(file, &videos_));
+      digests = {.picture = DigestOf(file, read_picture),
                  .mask = DigestOf(guides.mask),
                  .prior = DigestOf(guides.prior),
                  .prior_confidence = DigestOf(guides.prior_confidence),
@@ -145,11 +147,11 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     }
     if (task.spec.uploads) {
       DEPTHFARM_ASSIGN_OR_RETURN(guides, ReadGuides(read, task.spec));
-      DEPTHFARM_ASSIGN_OR_RETURN(bytes, read(path, task.spec.uploads->files.picture));
+      DEPTHFARM_ASSIGN_OR_RETURN(read_picture.bytes, read(path, task.spec.uploads->files.picture));
       ReleaseUploads(task);
     }
     Result<YcbcrImage> decoded =
-        DecodePicture(bytes, view.format, view.source_width, view.source_height, params.downscale);
+        DecodePicture(read_picture.bytes, read_picture.format, view.source_width, view.source_height, params.downscale);
     if (!decoded.ok()) return decoded.status().WithContext(path);
     picture = std::move(*decoded);
   }

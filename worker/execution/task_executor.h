@@ -12,6 +12,7 @@
 #include "common/base/status.h"
 #include "common/files/file_roots.h"
 #include "common/job/task_spec.h"
+#include "common/video_input/video_readers.h"
 #include "worker/artifacts/memory_cache.h"
 #include "worker/artifacts/store.h"
 #include "worker/estimation/reward_floors.h"
@@ -108,6 +109,7 @@ class TaskExecutor {
   const int threads_;
   const FileRoots roots_;
   FloorMemory floors_;
+  VideoReaders videos_;
   ViewMemory refining_;
   PassedRounds passed_rounds_;
 };

@@ -253,8 +253,9 @@ Result<YcbcrImage> ReadPictureOf(const SequenceWithDepth& input, int view, int f
     return InvalidArgument("camera '" + camera.camera.name + "' has " + std::to_string(camera.images.size()) +
                            " pictures, frame " + std::to_string(frame) + " is beyond them");
   }
-  return ReadPicture(camera.images[static_cast<std::size_t>(frame)], camera.format, camera.camera.width,
-                     camera.camera.height, input.downscale);
+  return ReadPicture(
+      {camera.images[static_cast<std::size_t>(frame)], camera.format, camera.camera.width, camera.camera.height, frame},
+      input.downscale, input.videos.get());
 }
 
 Result<DepthMap> ReadDepthOf(const SequenceWithDepth& input, int view, int frame) {

@@ -2,6 +2,7 @@
 #define DEPTHFARM_WORKER_RENDERING_SEQUENCE_WITH_DEPTH_H_
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "common/media/ground_truth.h"
 #include "common/sequence/depth_manifest.h"
 #include "common/sequence/sequence.h"
+#include "common/video_input/video_readers.h"
 
 namespace depthfarm {
 
@@ -33,7 +35,8 @@ struct SequenceWithDepth {
   int end_frame = 0;
   std::vector<View> views;            // as in the sequence
   std::optional<DepthLevels> levels;  // always set
-  std::vector<int> nearest;           // per view: the nearest other view, where errors in px are seen; -1 = none
+  std::unique_ptr<VideoReaders> videos = std::make_unique<VideoReaders>();
+  std::vector<int> nearest;  // per view: the nearest other view, where errors in px are seen; -1 = none
 
   SequenceWithDepth() = default;
   SequenceWithDepth(const SequenceWithDepth&) = delete;  // `views` point into it

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/little_endian.h"
@@ -162,21 +164,53 @@ TEST(ReadPicture, MessagesBeginWithThePath) {
   const std::string empty = folder.Write("empty.png", "");
   const std::string text = folder.Write("text.png", "no picture");
   const std::string raw = folder.Write("raw.yuv", "123");
-  EXPECT_THAT(ReadPicture(empty, kImageFile, 4, 4, 1).status().message(), HasSubstr(empty + ": holds no bytes"));
-  EXPECT_THAT(ReadPicture(text, kImageFile, 4, 4, 1).status().message(), HasSubstr(text + ": cannot be decoded"));
+  EXPECT_THAT(ReadPicture({empty, kImageFile, 4, 4}, 1).status().message(), HasSubstr(empty + ": holds no bytes"));
+  EXPECT_THAT(ReadPicture({text, kImageFile, 4, 4}, 1).status().message(), HasSubstr(text + ": cannot be decoded"));
   const PictureFormat yuv = {PictureFormat::Kind::kYuv420, 8, false, false};
-  EXPECT_THAT(ReadPicture(raw, yuv, 4, 4, 1).status().message(), HasSubstr(raw + ": holds 3 bytes, expected 24"));
-  const auto missing = ReadPicture(folder.File("none.png"), kImageFile, 4, 4, 1);
+  EXPECT_THAT(ReadPicture({raw, yuv, 4, 4}, 1).status().message(), HasSubstr(raw + ": holds 3 bytes, expected 24"));
+  const auto missing = ReadPicture({folder.File("none.png"), kImageFile, 4, 4}, 1);
   EXPECT_EQ(missing.status().code(), ErrorCode::kUnavailable);
   EXPECT_THAT(missing.status().message(), HasSubstr("none.png"));
+}
+
+TEST(ReadPicture, OfAFileOfAllFramesIsAPartOfIt) {
+  const TemporaryFolder folder;
+  PictureFile file{
+      folder.Write("all.yuv", "aaaabbbbcccc"), {.kind = PictureFormat::Kind::kYuv400, .all_frames = true}, 2, 2};
+  for (const auto& [position, bytes] : {std::pair{0, "aaaa"}, std::pair{2, "cccc"}, std::pair{1, "bbbb"}}) {
+    file.position = position;
+    const auto read = ReadPictureBytes(file);
+    ASSERT_TRUE(read.ok()) << read.status().message();
+    EXPECT_EQ(read->bytes, bytes);
+    EXPECT_EQ(read->format, (PictureFormat{.kind = PictureFormat::Kind::kYuv400}));
+    EXPECT_EQ(DigestOf(file, *read), Sha256(bytes)) << "that of a file of its own";
+  }
+  file.position = 3;
+  EXPECT_THAT(ReadPictureBytes(file).status().message(),
+              HasSubstr(file.path + ": holds 12 bytes, expected 4 from byte 12 on"));
+}
+
+// The same samples are another picture where they hold something else.
+TEST(DigestOf, OfAVideoSaysWhatTheBytesHold) {
+  const PictureFile file{.path = "v.mp4", .format = {.kind = PictureFormat::Kind::kVideo}};
+  std::vector<Sha256Digest> digests;
+  for (const PictureFormat& format :
+       std::vector<PictureFormat>{{.kind = PictureFormat::Kind::kYuv420},
+                                  {.kind = PictureFormat::Kind::kYuv444},
+                                  {.kind = PictureFormat::Kind::kYuv420, .bits = 10},
+                                  {.kind = PictureFormat::Kind::kYuv420, .full_range = true},
+                                  {.kind = PictureFormat::Kind::kYuv420, .bt709 = true}})
+    digests.push_back(DigestOf(file, {"samples", format}));
+  std::ranges::sort(digests);
+  EXPECT_EQ(std::ranges::adjacent_find(digests), digests.end());
 }
 
 TEST(ReadPicture, IsDecodingOfTheFilesBytes) {
   const TemporaryFolder folder;
   const std::string bytes = Encoded(".png", NoiseBgr(8, 8));
   const std::string path = folder.Write("p.png", bytes);
-  EXPECT_EQ(*ReadPictureBytes(path, kImageFile, 8, 8), bytes);
-  EXPECT_EQ(*ReadPicture(path, kImageFile, 8, 8, 2), *DecodePicture(bytes, kImageFile, 8, 8, 2));
+  EXPECT_EQ(ReadPictureBytes({path, kImageFile, 8, 8})->bytes, bytes);
+  EXPECT_EQ(*ReadPicture({path, kImageFile, 8, 8}, 2), *DecodePicture(bytes, kImageFile, 8, 8, 2));
 }
 
 TEST(ToRgb, UndoesTheConversionUpToRounding) {

@@ -101,6 +101,30 @@ TEST(RawPicture, ChromaLiesOnEvenColumnsAndBetweenRows) {
   for (int y = 0; y < 4; ++y) EXPECT_EQ((*column)(0, y).cb, down[static_cast<std::size_t>(y)]) << y;
 }
 
+TEST(RawPicture, ChromaOf422LiesOnEvenColumnsOfItsOwnRow) {
+  const PictureFormat format = {Kind::kYuv422, 8, true, false};
+  EXPECT_EQ(RawPictureBytes(format, 5, 3), 15U + 2 * 3 * 3);
+  const auto picture =
+      DecodeRawPicture(Bytes({0, 0, 0, 0, 0, 0, 0, 80, 160, 9, 11, 128, 128, 128, 128}, 8), format, 3, 2, 1);
+  EXPECT_EQ(picture.status().code(), ErrorCode::kInvalidArgument) << "a sample too many";
+  const auto right =
+      DecodeRawPicture(Bytes({0, 0, 0, 0, 0, 0, 0, 80, 160, 10, 128, 128, 128, 128}, 8), format, 3, 2, 1);
+  ASSERT_TRUE(right.ok()) << right.status().message();
+  const std::vector<std::vector<int>> rows = {{0, 40, 80}, {160, 85, 10}};
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 3; ++x)
+      EXPECT_EQ((*right)(x, y).cb, rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)]);
+}
+
+TEST(RawPicture, ChromaOf444IsThatOfThePixel) {
+  const PictureFormat format = {Kind::kYuv444, 10, true, false};
+  EXPECT_EQ(RawPictureBytes(format, 5, 3), 15U * 3 * 2);
+  const auto picture = DecodeRawPicture(Bytes({0, 1023, 0, 1023, 1023, 0}, 10), format, 2, 1, 1);
+  ASSERT_TRUE(picture.ok()) << picture.status().message();
+  EXPECT_EQ((*picture)(0, 0), (Ycbcr{0, 0, 255, 0}));
+  EXPECT_EQ((*picture)(1, 0), (Ycbcr{255, 255, 0, 0}));
+}
+
 TEST(RawPicture, GreyFormatsHaveNeutralChroma) {
   const auto picture = DecodeRawPicture(Bytes({0, 512, 1023}, 10), {Kind::kYuv400, 10, true, false}, 3, 1, 1);
   ASSERT_TRUE(picture.ok()) << picture.status().message();

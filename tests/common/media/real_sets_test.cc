@@ -67,7 +67,7 @@ TEST_F(RealSets, FirstPictureOfEveryCameraDecodes) {
     ASSERT_TRUE(sequence.ok()) << sequence.status().message();
     for (const SequenceCamera& camera : sequence->cameras) {
       if (camera.images.empty()) continue;
-      const auto picture = ReadPicture(camera.images[0], camera.format, camera.camera.width, camera.camera.height, 4);
+      const auto picture = ReadPicture({camera.images[0], camera.format, camera.camera.width, camera.camera.height}, 4);
       ASSERT_TRUE(picture.ok()) << picture.status().message();
       const auto [least, most] = std::minmax_element(picture->values().begin(), picture->values().end(),
                                                      [](const Ycbcr& a, const Ycbcr& b) { return a.y < b.y; });

@@ -15,8 +15,18 @@ using testing::HasSubstr;
 
 Sequence Small() { return ParseSequence(kSequenceText, "/sets/small/s.json").value(); }
 
-TEST(FormatSequence, IsReadBackUnchanged) {
-  const Sequence small = Small();
+// A sequence whose first camera has a video of such a format.
+Sequence WithVideo(const PictureFormat& format) {
+  Sequence sequence = Small();
+  sequence.cameras[0].format = format;
+  sequence.cameras[0].images = {"/sets/small/v.bin", "/sets/small/v.bin"};
+  return sequence;
+}
+
+class FormattedSequence : public testing::TestWithParam<Sequence> {};
+
+TEST_P(FormattedSequence, IsReadBackUnchanged) {
+  const Sequence small = GetParam();
   const auto text = FormatSequence(small);
   ASSERT_TRUE(text.ok()) << text.status().message();
   const auto read = ParseSequence(*text, small.file);
@@ -37,6 +47,13 @@ TEST(FormatSequence, IsReadBackUnchanged) {
     EXPECT_EQ(read->cameras[i].z_far, small.cameras[i].z_far);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, FormattedSequence,
+    testing::Values(
+        Small(), WithVideo({.kind = PictureFormat::Kind::kVideo}),
+        WithVideo({.kind = PictureFormat::Kind::kVideo, .bt709 = true, .colour_said = true}),
+        WithVideo({.kind = PictureFormat::Kind::kYuv444, .bits = 12, .full_range = true, .all_frames = true})));
 
 TEST(FormatSequence, PicturesOutsideItsFolderNeedTheReadersConsent) {
   Sequence small = Small();

@@ -68,7 +68,8 @@ TEST(ReadSequence, KnowsTheNamesOfRawFormats) {
       {"yuv420p8", {Kind::kYuv420, 8, false, false}},     {"yuv420p12le", {Kind::kYuv420, 12, false, false}},
       {"yuv420p16le", {Kind::kYuv420, 16, false, false}}, {"yuv420p9le", {Kind::kYuv420, 9, false, false}},
       {"gray8", {Kind::kYuv400, 8, false, false}},        {"gray10le", {Kind::kYuv400, 10, false, false}},
-      {"gray16le", {Kind::kYuv400, 16, false, false}},
+      {"gray16le", {Kind::kYuv400, 16, false, false}},    {"yuv422p10le", {Kind::kYuv422, 10, false, false}},
+      {"yuv444p8", {Kind::kYuv444, 8, false, false}},
   };
   for (const auto& [name, format] : cases) {
     const std::string text =
@@ -78,6 +79,32 @@ TEST(ReadSequence, KnowsTheNamesOfRawFormats) {
     ASSERT_TRUE(sequence.ok()) << sequence.status().message();
     EXPECT_EQ(sequence->cameras[1].format, format) << name;
   }
+}
+
+TEST(ReadSequence, AVideoIsTheFileOfAllFrames) {
+  using Kind = PictureFormat::Kind;
+  const TemporaryFolder folder;
+  const auto first = [&](const std::string& keys) {
+    const auto sequence = ReadSequence(folder.Write("s.json", Replaced(kSequenceText, kImagesOfA, keys)));
+    EXPECT_TRUE(sequence.ok()) << sequence.status().message();
+    return sequence.ok() ? sequence->cameras[0] : SequenceCamera();
+  };
+  const SequenceCamera coded = first(R"("video": {"path": "v/a.mp4", "frames": 2})");
+  EXPECT_THAT(coded.images, ElementsAre(folder.File("v/a.mp4"), folder.File("v/a.mp4")));
+  EXPECT_EQ(coded.format, (PictureFormat{.kind = Kind::kVideo}));
+  EXPECT_EQ(first(R"("range": "full", "matrix": "bt601", "video": {"path": "a.mkv", "frames": 2})").format,
+            (PictureFormat{.kind = Kind::kVideo, .full_range = true, .colour_said = true}));
+  const PictureFormat raw{.kind = Kind::kYuv422, .bits = 10, .bt709 = true, .all_frames = true};
+  EXPECT_EQ(first(R"("matrix": "bt709", "video": {"path": "a.yuv", "format": "yuv422p10le", "frames": 2})").format,
+            raw);
+
+  // How many a raw one has is told by its size: 64 x 48 samples and as many of chroma, of two bytes.
+  folder.Write("a.yuv", std::string(std::size_t{2} * 64 * 48 * 2 * 2, 'x'));
+  EXPECT_EQ(first(R"("video": {"path": "a.yuv", "format": "yuv422p10le"})").images.size(), 2U);
+  folder.Write("a.yuv", std::string(std::size_t{2} * 64 * 48 * 2 * 2 + 1, 'x'));
+  const auto odd = ReadSequence(folder.Write(
+      "s.json", Replaced(kSequenceText, kImagesOfA, R"("video": {"path": "a.yuv", "format": "yuv422p10le"})")));
+  EXPECT_THAT(odd.status().message(), HasSubstr("a.yuv holds 24577 bytes, expected 1 to 1000000 pictures of 12288"));
 }
 
 TEST(ReadSequence, AcceptsOutsidePathsOnlyWhenAllowed) {
@@ -197,10 +224,44 @@ const std::vector<BadInput> kBadInputs = {
     {"RangeUnknown", "\"range\": \"full\"", "\"range\": \"tv\"", {"'range' is \"tv\"", "limited or full"}},
     {"MatrixUnknown", "\"bt709\"", "\"bt2020\"", {"'matrix' is \"bt2020\"", "bt601 or bt709"}},
     {"RangeOfImageFiles", "\"format\": \"yuv420p10le\", ", "", {"camera \"b\"", "'range'", "without 'format'"}},
-    {"Video",
+    {"VideoAndImages",
      "\"x-row\": 3",
-     "\"video\": {\"path\": \"a.yuv\"}",
-     {"camera \"a\"", "video files are not supported yet"}},
+     "\"video\": {\"path\": \"a.mp4\", \"frames\": 2}",
+     {"camera \"a\"", "either a video or pictures"}},
+    {"VideoNoObject", kImagesOfA, "\"video\": \"a.mp4\"", {"(camera \"a\"): 'video'", "\"a.mp4\""}},
+    {"VideoWithoutPath", kImagesOfA, "\"video\": {\"frames\": 2}", {"(camera \"a\"): 'video'", "'path'"}},
+    {"VideoOutside",
+     kImagesOfA,
+     "\"video\": {\"path\": \"../a.mp4\", \"frames\": 2}",
+     {"(camera \"a\"): 'video'", "'path'", "\"../a.mp4\"", "--allow-outside"}},
+    {"VideoUnknownKey",
+     kImagesOfA,
+     "\"video\": {\"path\": \"a.mp4\", \"frames\": 2, \"fps\": 3}",
+     {"(camera \"a\"): 'video'", "unknown key \"fps\""}},
+    {"VideoOfNoFrames",
+     kImagesOfA,
+     "\"video\": {\"path\": \"a.mp4\", \"frames\": 0}",
+     {"(camera \"a\"): 'video'", "'frames' is 0"}},
+    {"VideoCodedWithoutFrames",
+     kImagesOfA,
+     "\"video\": {\"path\": \"a.mp4\"}",
+     {"(camera \"a\"): 'video'", "'frames'"}},
+    {"VideoRawWithoutFramesOrFile",
+     kImagesOfA,
+     "\"video\": {\"path\": \"a.yuv\", \"format\": \"yuv420p8\"}",
+     {"(camera \"a\"): 'video'", "'frames'", "/a.yuv cannot be looked at"}},
+    {"VideoFormatUnknown",
+     kImagesOfA,
+     "\"video\": {\"path\": \"a.yuv\", \"format\": \"nv12\", \"frames\": 2}",
+     {"(camera \"a\"): 'video'", "'format' is \"nv12\"", "coded videos"}},
+    {"VideoHalfAColour",
+     kImagesOfA,
+     "\"range\": \"full\", \"video\": {\"path\": \"a.mp4\", \"frames\": 2}",
+     {"camera \"a\"", "one of 'range' and 'matrix', expected both"}},
+    {"VideoOfOtherLength",
+     kImagesOfA,
+     "\"video\": {\"path\": \"a.mp4\", \"frames\": 3}",
+     {"camera 'b' has 2 images", "camera 'a' has 3"}},
     {"ZNearZero", "\"zNear\": 2.0", "\"zNear\": 0", {"'zNear' is 0", "> 0"}},
     {"ZFarText", "\"zFar\": 10", "\"zFar\": \"far\"", {"'zFar' is \"far\"", "number"}},
     {"ZNearBeyondZFar", "\"zNear\": 2.0", "\"zNear\": 20", {"zNear is 20", "zFar 10"}},

@@ -19,6 +19,8 @@ inline constexpr const char* kSequenceText = R"({
   ]
 })";
 
+inline constexpr const char* kImagesOfA = R"("images": ["a/0.png", "a/1.png"])";
+
 // `text` with its first `from` replaced; throws where there is none, so that no test passes by a typo.
 inline std::string Replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t position = text.find(from);

@@ -48,6 +48,9 @@ Sequence TestSequence() {
     camera.camera = TestCamera("cam" + std::to_string(i), i);
     camera.format = {PictureFormat::Kind::kYuv420, 10, true, true};
     camera.images = {"/data/" + std::to_string(i) + "/0.yuv", "/data/" + std::to_string(i) + "/1.yuv"};
+    if (i > 0) camera.images.back() = camera.images.front();  // videos, see below
+    if (i == 1) camera.format = {.kind = PictureFormat::Kind::kYuv422, .bits = 12, .bt709 = true, .all_frames = true};
+    if (i == 2) camera.format = {.kind = PictureFormat::Kind::kVideo, .full_range = true, .colour_said = true};
     if (i == 1) camera.z_near = 1.5;
     if (i == 1) camera.masks = {"", "/masks/1.png"};
     if (i == 2) camera.prior = {"/prior/0.pfm", ""};
@@ -171,6 +174,14 @@ TEST(SequenceWire, HostileValuesAreRefused) {
       {"no kind", [](v1::Sequence& s) { s.mutable_cameras(0)->mutable_format()->clear_kind(); }},
       {"17 bits", [](v1::Sequence& s) { s.mutable_cameras(0)->mutable_format()->set_bits(17); }},
       {"7 bits", [](v1::Sequence& s) { s.mutable_cameras(0)->mutable_format()->set_bits(7); }},
+      {"all frames of image files",
+       [](v1::Sequence& s) { s.mutable_cameras(1)->mutable_format()->set_kind(v1::PICTURE_KIND_IMAGE); }},
+      {"all frames told twice", [](v1::Sequence& s) { s.mutable_cameras(2)->mutable_format()->set_all_frames(true); }},
+      {"two files of a video", [](v1::Sequence& s) { s.mutable_cameras(2)->set_images(1, "/other.mp4"); }},
+      {"colour of pictures said twice",
+       [](v1::Sequence& s) { s.mutable_cameras(0)->mutable_format()->set_colour_said(true); }},
+      {"a kind of later",
+       [](v1::Sequence& s) { s.mutable_cameras(0)->mutable_format()->set_kind(static_cast<v1::PictureKind>(7)); }},
       {"negative zNear", [](v1::Sequence& s) { s.set_z_near(-1); }},
       {"NaN zFar", [](v1::Sequence& s) { s.mutable_cameras(0)->set_z_far(kNaN); }},
       {"one mask for two frames", [](v1::Sequence& s) { s.mutable_cameras(0)->add_masks("/m.png"); }},

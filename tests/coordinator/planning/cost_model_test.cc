@@ -198,6 +198,20 @@ TEST(CostModel, KnowsTheSizesOfArtifacts) {
   }
 }
 
+// 27 MiB were measured (rss before and after the first pictures of H.264).
+TEST(CostModel, ADecoderOfAVideoIsOfItsAnalysis) {
+  const Shape hd{.views = 2, .width = 1920, .height = 1080, .segments = 63850};
+  const auto analysis = [](const ResolvedJob& job) {
+    return CostModel(job).Of({JobId(1), 0, TaskKind::kAnalyse, 0}).peak_memory_bytes;
+  };
+  ResolvedJob job = JobOf(hd);
+  const std::uint64_t of_files = analysis(job);
+  for (JobView& view : job.views) view.format = {.kind = PictureFormat::Kind::kYuv420, .all_frames = true};
+  EXPECT_EQ(analysis(job), of_files);
+  for (JobView& view : job.views) view.format = {.kind = PictureFormat::Kind::kVideo};
+  EXPECT_NEAR(static_cast<double>(analysis(job) - of_files) / (1 << 20), 27, 3);
+}
+
 // Peak of a worker that ran the job of one frame, algorithm versions 8 and 9; 52 MiB of it are the process. Version 10
 // takes an eighth less.
 TEST(CostModel, KnowsTheMemoryOfAFrame) {

@@ -42,12 +42,12 @@ TEST(ColourCommand, EqualDepthIsTheSameColourInEveryCamera) {
   const Status status = RunColour({.depth_dir = folder.path().string(), .output = folder.File("colour")}, out);
   ASSERT_TRUE(status.ok()) << status.message();
   EXPECT_THAT(out.str(), HasSubstr("wrote 2 pictures"));
-  const auto a = ReadPicture(folder.File("colour/a/0003.png"), PictureFormat(), 4, 2, 1);
-  const auto b = ReadPicture(folder.File("colour/b/0003.png"), PictureFormat(), 4, 2, 1);
+  const auto a = ReadPicture({folder.File("colour/a/0003.png"), {}, 4, 2}, 1);
+  const auto b = ReadPicture({folder.File("colour/b/0003.png"), {}, 4, 2}, 1);
   ASSERT_TRUE(a.ok()) << a.status().message();
   ASSERT_TRUE(b.ok()) << b.status().message();
   EXPECT_EQ(*a, *b);
-  EXPECT_TRUE(ReadPicture(folder.File("colour/contact.png"), PictureFormat(), 4 + 8 + 4, 2, 1).ok());
+  EXPECT_TRUE(ReadPicture({folder.File("colour/contact.png"), {}, 4 + 8 + 4, 2}, 1).ok());
 }
 
 TEST(ColourCommand, MissingDepthMapIsNamed) {

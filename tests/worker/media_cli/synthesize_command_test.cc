@@ -57,9 +57,12 @@ class SynthesizeCommandTest : public testing::Test {
   }
   // Of a camera's real picture against a PNG.
   static double Psnr(const std::string& png, const std::string& camera, int frame) {
-    const auto made = ReadPicture(png, {}, 160, 120, 1);
-    const auto real = ReadPicture(scene_->File(camera + "/" + std::to_string(frame) + ".yuv"),
-                                  {PictureFormat::Kind::kYuv400, 8, true, false}, 160, 120, 1);
+    const auto made = ReadPicture({png, {}, 160, 120}, 1);
+    const auto real = ReadPicture({scene_->File(camera + "/" + std::to_string(frame) + ".yuv"),
+                                   {PictureFormat::Kind::kYuv400, 8, true, false},
+                                   160,
+                                   120},
+                                  1);
     EXPECT_TRUE(made.ok()) << made.status().message();
     EXPECT_TRUE(real.ok()) << real.status().message();
     return PsnrFullRange(MeasureLumaError(*made, *real));
