@@ -17,7 +17,15 @@ void AddPictureOptions(CLI::App& app, ImportOptions& options) {
                  "name). Without it cameras are known, for views, and depth is estimated for none")
       ->type_name("PATTERN|DIR")
       ->group(group);
-  app.add_option("--frames", options.frames, "Frames A to B - 1, where the pattern has {frame}")
+  app.add_option(
+         "--videos", options.videos,
+         "Instead of --images: a video of each camera, as a pattern without {frame}. With --pixel-format a file "
+         "of raw pictures one after the other, else mp4, mov, mkv, webm, mxf, ts, avi or y4m")
+      ->type_name("PATTERN")
+      ->group(group);
+  app.add_option("--frames", options.frames,
+                 "Frames A to B - 1, where the pattern has {frame}; of videos 0:B, how many there are (of raw ones: by "
+                 "default all)")
       ->type_name("A:B")
       ->group(group);
   app.add_option("--size", options.size,
@@ -25,19 +33,18 @@ void AddPictureOptions(CLI::App& app, ImportOptions& options) {
                  "pictures are larger or smaller than those that were calibrated")
       ->type_name("WxH")
       ->group(group);
-  CLI::Option* pixel_format = app.add_option("--pixel-format", options.pixel_format,
-                                             "Raw pictures, one file for each frame: yuv420p8, yuv420p10le, gray8, ...")
-                                  ->type_name("NAME")
-                                  ->group(group);
-  app.add_option("--range", options.range, "Of raw samples; default: limited, 16 to 235")
+  app.add_option("--pixel-format", options.pixel_format, "Raw pictures: yuv420p8, yuv420p10le, yuv422p10le, gray8, ...")
+      ->type_name("NAME")
+      ->group(group);
+  app.add_option(
+         "--range", options.range,
+         "Of raw samples, default: limited, 16 to 235; of other videos, with --matrix, instead of what they say")
       ->type_name("limited|full")
       ->check(CLI::IsMember({"limited", "full"}).description(""))
-      ->needs(pixel_format)
       ->group(group);
-  app.add_option("--matrix", options.matrix, "Of raw colours; default: bt601")
+  app.add_option("--matrix", options.matrix, "The same of colours; default: bt601")
       ->type_name("bt601|bt709")
       ->check(CLI::IsMember({"bt601", "bt709"}).description(""))
-      ->needs(pixel_format)
       ->group(group);
   app.add_flag("--allow-missing", options.allow_missing, "A camera none of whose pictures is there has none")
       ->group(group);
@@ -102,13 +109,15 @@ void DefineImport(CLI::App& app, CommandArguments& storage) {
       "  miv         camera JSON of MPEG immersive video, TMIV, RVS, IVDE; perspective cameras\n"
       "  llff        poses_bounds.npy, a picture for each row in the order of their names\n"
       "  middlebury  *_par.txt of the multi-view sets\n"
-      "Lens distortion, cameras that move and video files of several frames are refused. Look at the summary: a wrong\n"
-      "reading of an ftv file cannot always be told from the numbers.\n"
+      "Lens distortion and cameras that move are refused. Look at the summary: a wrong reading of an ftv file cannot\n"
+      "always be told from the numbers.\n"
       "Examples:\n"
       "  depthfarm import ftv cam_param.txt -o array/sequence.json --images 'array/{camera}/{frame:04}.yuv' \\\n"
       "    --frames 0:50 --size 1024x768 --pixel-format yuv420p8 --z-near 448 --z-far 11206\n"
       "  depthfarm import msr calibParams-ballet.txt -o ballet.json --size 1024x768 --z-near 42 --z-far 130 \\\n"
       "    --images '{camera}/color-{camera}-f{frame:03}.jpg' --frames 0:100\n"
+      "  depthfarm import miv Fencing.json -o fencing/sequence.json --pixel-format yuv420p10le \\\n"
+      "    --videos 'fencing/v{number}_texture_1920x1080_yuv420p10le.yuv'\n"
       "  depthfarm import colmap dense/sparse -o dense/sequence.json --images dense/images\n"
       "  depthfarm import llff fern/poses_bounds.npy -o fern/sequence.json --images fern/images_4 --size 1008x756");
 }

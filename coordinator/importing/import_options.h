@@ -13,6 +13,7 @@ struct ImportOptions {
   std::string calibration;  // file; colmap: folder
   std::string output;       // sequence file
   std::string images;       // see PicturePattern, or a folder
+  std::string videos;       // see PicturePattern: a file of all frames for each camera
   std::string frames;       // "A:B"
   std::string size;         // "WxH"
   std::string pixel_format;

@@ -13,7 +13,8 @@
 namespace depthfarm {
 
 // The cameras of a sequence file at `output` (absolute) with the pictures that the options name, as absolute paths;
-// without --images they have none. Looks at every file and opens none.
+// without --images and --videos they have none. Looks at every file and opens none.
+// Of coded videos the number of frames is believed.
 // Errors (kInvalidArgument, naming camera, file and option): a pattern, frames or pixel format that are none, a picture
 // that is missing, empty, no file or, of a raw format, not of the size of one picture, one of two cameras, or outside
 // the folder of `output`. With allow_missing a camera none of whose pictures is there has none.
