@@ -25,7 +25,9 @@
 #include "common/wire/task_wire.h"
 #include "coordinator/journal/frame_codec.h"
 #include "coordinator/service/submission.h"
+#include "tests/common/video_input/written_video.h"
 #include "tests/support/calibration_samples.h"
+#include "tests/support/temporary_folder.h"
 #include "worker/confidence/confidence_codec.h"
 #include "worker/estimation/label_field_codec.h"
 #include "worker/refinement/refined_view_codec.h"
@@ -181,6 +183,13 @@ DepthManifest SmallManifest(const Sequence& sequence) {
 
 void AddTexts(const Sequence& sequence, Seeds& seeds) {
   seeds["sequence/rendered"] = std::string(kSequence) + std::string(kListedTruth);
+  std::string videos = std::string(kSequence) + std::string(kListedTruth);
+  for (const auto& [pictures, video] :
+       {std::pair{R"("images": ["a/0.png", "a/1.png"])", R"("video": {"path": "a.mp4", "frames": 2})"},
+        std::pair{R"("images": ["b/0.yuv", "b/1.yuv"], "format": "yuv420p10le")",
+                  R"("video": {"path": "b.yuv", "format": "yuv420p10le", "frames": 2})"}})
+    videos.replace(videos.find(pictures), std::string_view(pictures).size(), video);
+  seeds["sequence/videos"] = videos;
   seeds["sequence/measured"] = std::string(kSequence) + std::string(kWordedTruth);
   seeds["cameras/two"] = kCameras;
   seeds["depth_manifest/three"] = FormatDepthManifest(SmallManifest(sequence)).value();
@@ -405,12 +414,30 @@ void AddClientMessages(const Sequence& sequence, Seeds& seeds) {
   AddEnvelope(error, seeds);
 }
 
+// Four frames of 16x16 pixels each.
+void AddVideos(Seeds& seeds) {
+  const std::vector<std::pair<const char*, test::VideoRecipe>> videos = {
+      {"h264.mp4", {.b_frames = 1}},
+      {"mpeg2.ts", {.encoder = "mpeg2video"}},
+      {"ffv1.mkv", {.encoder = "ffv1", .samples = AV_PIX_FMT_YUV422P10}},
+      {"mjpeg.mkv", {.encoder = "mjpeg", .samples = AV_PIX_FMT_YUVJ420P}},
+      {"raw.y4m", {.encoder = "wrapped_avframe"}}};
+  const testing_support::TemporaryFolder folder;
+  for (auto [name, recipe] : videos) {
+    recipe.width = recipe.height = 16;
+    recipe.frames = 4;
+    test::WriteVideo(recipe, folder.File(name));
+    seeds[std::string("video/") + name] = ReadFileBytes(folder.File(name), 1 << 20).value();
+  }
+}
+
 Seeds AllSeeds() {
   Seeds seeds;
   const Sequence sequence =
       ParseSequence(std::string(kSequence) + std::string(kListedTruth), "/sequences/two.json").value();
   AddArtifacts(seeds);
   AddPictures(seeds);
+  AddVideos(seeds);
   AddTexts(sequence, seeds);
   AddCalibrations(seeds);
   AddSubmissions(sequence, seeds);
