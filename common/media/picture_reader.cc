@@ -59,7 +59,7 @@ Result<PictureBytes> ReadPictureBytes(const PictureFile& file, VideoReaders* vid
   if (file.format.kind == PictureFormat::Kind::kVideo) {
     VideoReaders alone;
     return (videos != nullptr ? videos : &alone)
-        ->Read({file.path, file.format, file.width, file.height}, file.position);
+        ->Read({file.path, file.format, file.width, file.height, file.frames}, file.position);
   }
   PictureBytes picture{.bytes = {}, .format = file.format};
   picture.format.all_frames = false;

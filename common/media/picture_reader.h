@@ -20,6 +20,7 @@ struct PictureFile {
   int width = 0;
   int height = 0;
   int position = 0;  // in a file of all frames (PictureFormat::of_all_frames): that of the frame in the sequence
+  int frames = 0;    // VideoFile::frames
 };
 
 // The bytes of a picture, for DecodePicture and for a digest of exactly what was decoded: those of its file, or its

@@ -15,6 +15,8 @@ struct VideoFile {
   PictureFormat format;
   int width = 0;  // of its pictures, the camera's
   int height = 0;
+  int frames = 0;  // that it must have; 0: not known. Checked against what the container tells, so that a job does not
+                   // find out at its last frame
 };
 
 // Pictures of a video by their number, at the bits that are coded. The same bytes in whatever order they are asked for;

@@ -125,8 +125,12 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     } else {
       DEPTHFARM_ASSIGN_OR_RETURN(guides, ReadGuides(read, task.spec));
       DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(path));
-      const PictureFile file{path, view.format, view.source_width, view.source_height,
-                             params.first_frame + task.spec.id.frame};
+      const PictureFile file{path,
+                             view.format,
+                             view.source_width,
+                             view.source_height,
+                             params.first_frame + task.spec.id.frame,
+                             params.first_frame + task.job().num_frames};
       DEPTHFARM_ASSIGN_OR_RETURN(read_picture, ReadPictureBytes(file, &videos_));
       digests = {.picture = DigestOf(file, read_picture),
                  .mask = DigestOf(guides.mask),

@@ -16,7 +16,9 @@ namespace depthfarm {
 namespace {
 
 constexpr int kGoOn = 48;  // frames that are rather decoded in between than jumped over
-constexpr int kMostFrames = 100'000'000;
+constexpr int kEnoughTries = 3;
+constexpr int kMostErrors = 1000;  // of a decoder that does not come to an end
+constexpr int kMostFrames = 10'000'000;
 constexpr double kUneven = 0.25;  // of the time between pictures
 constexpr int kMostTries = 6;     // ever farther back, before all is decoded from the beginning
 constexpr double kFirstSecondsBack = 1;
@@ -61,7 +63,21 @@ Status AvVideoReader::Begin() {
     return InvalidArgument("does not tell the times of its pictures: put it into mp4 or mkv");
   }
   held_ = 0;
-  return {};
+  return CheckLength();
+}
+
+std::optional<double> AvVideoReader::ToldFrames() const {
+  if (stream_->duration == AV_NOPTS_VALUE) return std::nullopt;
+  const double by_time = static_cast<double>(stream_->duration) * av_q2d(stream_->time_base) * av_q2d(rate_);
+  return std::max(std::round(by_time), static_cast<double>(stream_->nb_frames));
+}
+
+Status AvVideoReader::CheckLength() const {
+  const std::optional<double> told = ToldFrames();
+  const double doubt = stream_->nb_frames > 0 ? 0 : 1;  // mov and mp4 are exact
+  if (!told || *told + doubt >= expected_.frames) return {};
+  return InvalidArgument("has " + std::to_string(std::llround(*told)) + " of " + std::to_string(expected_.frames) +
+                         " expected frames");
 }
 
 Status AvVideoReader::OpenDecoder() {
@@ -134,6 +150,7 @@ Result<bool> AvVideoReader::SendNext() {
 
 Result<bool> AvVideoReader::DecodeNext() {
   held_.reset();
+  int errors = 0;
   for (;;) {
     const int received = avcodec_receive_frame(decoder_.get(), frame_.get());
     if (received == AVERROR_EOF) return false;
@@ -144,6 +161,7 @@ Result<bool> AvVideoReader::DecodeNext() {
     }
     if (received < 0) {
       damaged_ = true;
+      if (++errors > kMostErrors) return false;
       continue;
     }
     const std::int64_t time = frame_->best_effort_timestamp;
@@ -168,6 +186,7 @@ Result<int> AvVideoReader::NumberOf(const AVFrame& frame) const {
 
 Result<PictureBytes> AvVideoReader::Read(int frame) {
   if (frame < 0 || frame > kMostFrames) return NoFrame(frame, "that is beyond any video");
+  if (const std::optional<double> told = ToldFrames(); told && frame > *told) return NoFrame(frame, "it ends before");
   bool from_the_beginning = false;
   int tries = 0;
   const auto go_back = [&]() -> Status {
@@ -177,29 +196,31 @@ Result<PictureBytes> AvVideoReader::Read(int frame) {
     return from_the_beginning ? Begin() : GoTo(frame, static_cast<std::int64_t>(back));
   };
   if (!held_ || frame < *held_ || frame > *held_ + kGoOn) DEPTHFARM_RETURN_IF_ERROR(go_back());
-  for (;;) {
-    if (!held_) {
+  // H.264's decoder gives the last pictures only where it began farther back, when pictures before the key one refer to
+  // what is missing: once is not enough to say that there is none.
+  int passed = 0;  // how often it was missing after a picture before it
+  bool before = false;
+  while (!held_ || *held_ != frame) {
+    if (!held_ || *held_ < frame) {
+      before = before || held_.has_value();
       DEPTHFARM_ASSIGN_OR_RETURN(const bool any, DecodeNext());
-      if (!any) {
-        if (tries > 0 && !from_the_beginning) {
-          DEPTHFARM_RETURN_IF_ERROR(go_back());
-          continue;
-        }
-        return NoFrame(frame, damaged_ ? "it is damaged or cut short" : "it ends before");
-      }
-      DEPTHFARM_ASSIGN_OR_RETURN(held_, NumberOf(*frame_));
-    }
-    if (*held_ == frame) break;
-    if (*held_ > frame) {
-      if (!from_the_beginning) {
-        DEPTHFARM_RETURN_IF_ERROR(go_back());
+      if (any) {
+        DEPTHFARM_ASSIGN_OR_RETURN(held_, NumberOf(*frame_));
         continue;
       }
-      return NoFrame(frame, "there is a gap at that time");
     }
-    held_.reset();
+    passed += before ? 1 : 0;
+    if (from_the_beginning || passed == kEnoughTries) {
+      if (held_) return NoFrame(frame, "there is a gap at that time");
+      return NoFrame(frame, damaged_ ? "it is damaged or cut short" : "it ends before");
+    }
+    DEPTHFARM_RETURN_IF_ERROR(go_back());
+    before = false;
   }
-  if (damaged_) return InvalidArgument("is damaged at frame " + std::to_string(frame) + ", or before");
+  if (damaged_) {
+    return InvalidArgument("is damaged at frame " + std::to_string(frame) +
+                           " or before (ffmpeg -v error -i FILE -f null - tells more): replace it, or encode it anew");
+  }
   return PlanesOf(*frame_, expected_);
 }
 

@@ -26,6 +26,11 @@ class AvVideoReader final : public VideoReader {
   // From the beginning: the container, the decoder, and the first picture.
   [[nodiscard]] Status Begin();
   [[nodiscard]] Status OpenDecoder();
+  // Frames by what the container tells, counted or by the time, whichever is more: there may be gaps. nullopt: it does
+  // not tell.
+  [[nodiscard]] std::optional<double> ToldFrames() const;
+  // kInvalidArgument where the container tells that there are fewer frames than expected.
+  [[nodiscard]] Status CheckLength() const;
   // Goes to a key picture `back` units of time before frame `frame`, or to the beginning.
   [[nodiscard]] Status GoTo(int frame, std::int64_t back);
   // The next picture into frame_; false at the end.

@@ -182,6 +182,18 @@ TEST_F(BadVideos, AFrameThatIsNotThere) {
   EXPECT_THAT(ErrorOf(file, -1), HasSubstr("frame -1"));
 }
 
+TEST_F(BadVideos, FewerFramesThanExpectedAreFoundAtTheFirst) {
+  VideoFile file = Written({.frames = 5, .b_frames = 2});
+  file.frames = 5;
+  EXPECT_EQ(ErrorOf(file), "");
+  file.frames = 6;
+  EXPECT_EQ(ErrorOf(file), "has 5 of 6 expected frames");
+  // With a gap: five frame times, four pictures.
+  VideoFile gap = Written({.frames = 5, .place = [](int frame) { return frame == 2 ? -1 : frame; }}, "gap.mp4");
+  gap.frames = 5;
+  EXPECT_EQ(ErrorOf(gap), "");
+}
+
 TEST_F(BadVideos, AFileThatIsNone) {
   VideoFile file = {folder_.Write("text.mp4", std::string(5000, 'a')), kAsTagged, 64, 48};
   EXPECT_THAT(ErrorOf(file), HasSubstr("is no video of a kind that can be read (mp4, mov"));

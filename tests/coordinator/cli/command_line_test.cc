@@ -253,7 +253,10 @@ TEST(CommandLine, ImportKeepsItsOptions) {
   EXPECT_TRUE(import.json);
   EXPECT_FALSE(Parsed<ImportArguments>({"import", "llff", "p.npy", "-o", "s.json"}).options.z_near.has_value());
   EXPECT_EQ(Exit({"import", "ftv", "cam.txt"}).code, kExitBadInput) << "no output";
-  EXPECT_EQ(Exit({"import", "ftv", "cam.txt", "-o", "s.json", "--range", "full"}).code, kExitBadInput);
+  EXPECT_EQ(Exit({"import", "ftv", "cam.txt", "-o", "s.json", "--range", "half"}).code, kExitBadInput);
+  EXPECT_EQ(
+      Parsed<ImportArguments>({"import", "miv", "m.json", "-o", "s.json", "--videos", "v{number}.mp4"}).options.videos,
+      "v{number}.mp4");
 }
 
 TEST(CommandLine, OverviewNamesEveryCommand) {
