@@ -3,6 +3,7 @@
 extern "C" {
 #include <libavutil/log.h>
 #include <libavutil/mathematics.h>
+#include <libavutil/mem.h>
 }
 
 #include <algorithm>
@@ -17,6 +18,8 @@ namespace {
 
 constexpr int kGoOn = 48;  // frames that are rather decoded in between than jumped over
 constexpr int kEnoughTries = 3;
+// Of a piece of memory that libav takes: tables are as long as the file says. A plane of 8192x8192 has half of it.
+constexpr std::size_t kMostBytesAtOnce = std::size_t{256} << 20;
 constexpr int kMostErrors = 1000;  // of a decoder that does not come to an end
 constexpr int kMostFrames = 10'000'000;
 constexpr double kUneven = 0.25;  // of the time between pictures
@@ -47,6 +50,7 @@ Status NoFrame(int frame, const std::string& why) {
 
 Result<std::unique_ptr<VideoReader>> AvVideoReader::Open(const VideoFile& file) {
   av_log_set_level(AV_LOG_QUIET);  // what is wrong is in the errors
+  av_max_alloc(kMostBytesAtOnce);
   std::unique_ptr<AvVideoReader> reader(new AvVideoReader(file));
   DEPTHFARM_RETURN_IF_ERROR(reader->Begin());
   return std::unique_ptr<VideoReader>(std::move(reader));
