@@ -46,6 +46,11 @@ Status NoFrame(int frame, const std::string& why) {
   return InvalidArgument("has no picture for frame " + std::to_string(frame) + ": " + why);
 }
 
+Status Damaged(int frame) {
+  return InvalidArgument("is damaged at frame " + std::to_string(frame) +
+                         " or before (ffmpeg -v error -i FILE -f null - tells more): replace it, or encode it anew");
+}
+
 }  // namespace
 
 Result<std::unique_ptr<VideoReader>> AvVideoReader::Open(const VideoFile& file) {
@@ -66,7 +71,7 @@ Status AvVideoReader::Begin() {
       !IsUnitOfTime(stream_->time_base)) {
     return InvalidArgument("does not tell the times of its pictures: put it into mp4 or mkv");
   }
-  held_ = 0;
+  held_ = last_ = 0;
   return CheckLength();
 }
 
@@ -112,6 +117,7 @@ Status AvVideoReader::OpenDecoder() {
   key_time_.reset();
   damaged_ = false;
   held_.reset();
+  last_.reset();
   if (error >= 0) return {};
   return InvalidArgument(AvFailure(std::string("cannot be decoded (") + codec->name + ")", error).message());
 }
@@ -127,6 +133,7 @@ Status AvVideoReader::GoTo(int frame, std::int64_t back) {
   key_time_.reset();
   damaged_ = false;
   held_.reset();
+  last_.reset();
   return {};
 }
 
@@ -177,7 +184,10 @@ Result<bool> AvVideoReader::DecodeNext() {
 }
 
 Result<int> AvVideoReader::NumberOf(const AVFrame& frame) const {
-  if (frame.best_effort_timestamp == AV_NOPTS_VALUE) return InvalidArgument("has a picture without a time");
+  if (frame.best_effort_timestamp == AV_NOPTS_VALUE) {  // as the last one of MPEG-4 in avi
+    if (last_) return *last_ + 1;
+    return InvalidArgument("has a picture without a time");
+  }
   const double time = static_cast<double>(frame.best_effort_timestamp) - static_cast<double>(first_time_);
   const double place = time * av_q2d(stream_->time_base) * av_q2d(rate_);
   const double number = std::round(place);
@@ -204,12 +214,21 @@ Result<PictureBytes> AvVideoReader::Read(int frame) {
   // what is missing: once is not enough to say that there is none.
   int passed = 0;  // how often it was missing after a picture before it
   bool before = false;
-  while (!held_ || *held_ != frame) {
+  for (;;) {
+    if (held_ && *held_ == frame) {
+      // Where no picture is coded alone but each a part of it, it is whole only some time after it can be decoded.
+      if (!damaged_) return PlanesOf(*frame_, expected_);
+      if (from_the_beginning) return Damaged(frame);
+      DEPTHFARM_RETURN_IF_ERROR(go_back());
+      before = false;
+      continue;
+    }
     if (!held_ || *held_ < frame) {
       before = before || held_.has_value();
       DEPTHFARM_ASSIGN_OR_RETURN(const bool any, DecodeNext());
       if (any) {
         DEPTHFARM_ASSIGN_OR_RETURN(held_, NumberOf(*frame_));
+        last_ = held_;
         continue;
       }
     }
@@ -221,11 +240,6 @@ Result<PictureBytes> AvVideoReader::Read(int frame) {
     DEPTHFARM_RETURN_IF_ERROR(go_back());
     before = false;
   }
-  if (damaged_) {
-    return InvalidArgument("is damaged at frame " + std::to_string(frame) +
-                           " or before (ffmpeg -v error -i FILE -f null - tells more): replace it, or encode it anew");
-  }
-  return PlanesOf(*frame_, expected_);
 }
 
 }  // namespace depthfarm

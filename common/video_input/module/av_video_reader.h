@@ -54,6 +54,7 @@ class AvVideoReader final : public VideoReader {
   std::optional<std::int64_t> key_time_;  // of the key picture where decoding began: what is before it does not count
   bool damaged_ = false;                  // something since the last key picture was
   std::optional<int> held_;               // the number of the picture in frame_
+  std::optional<int> last_;               // of the one that was decoded last, since the decoder began
 };
 
 }  // namespace depthfarm
