@@ -35,6 +35,7 @@ constexpr auto kMediaCommands = std::to_array<MediaCommand>({
     {"evaluate", "Quality of depth maps: virtual views, ground truth, consistency, bits"},
     {"synthesize", "Virtual views from pictures and depth: a camera's, any other, a path"},
     {"colour", "Colour pictures of depth maps"},
+    {"export", "Depth for other programs: PFM, YUV video, point clouds"},
 });
 
 void AddEstimationOptions(CLI::App& app, EstimationArguments& estimation) {

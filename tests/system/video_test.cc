@@ -96,6 +96,18 @@ TEST_F(VideoRuns, GiveTheDepthOfTheSamePicturesInFilesOfTheirOwn) {
     const Outcome evaluate = Depthfarm({"evaluate", sequence, folder_ / "coded"});
     EXPECT_EQ(evaluate.exit_code, 0) << evaluate.output;
   }
+  // Colours of points are those of the pictures.
+  std::vector<std::string> clouds;
+  for (const std::string& sequence : {pictures_, raw_, coded_}) {
+    const std::string points = folder_ / ("points" + std::to_string(clouds.size()));
+    const Outcome exported =
+        Depthfarm({"export", "ply", folder_ / "coded", "-o", points, "--sequence", sequence, "--frames", "3:4"});
+    ASSERT_EQ(exported.exit_code, 0) << exported.output;
+    EXPECT_THAT(exported.output, HasSubstr("1 frame of 3 cameras"));
+    clouds.push_back(ReadFile(fs::path(points) / "0003.ply"));
+  }
+  EXPECT_TRUE(clouds[1] == clouds[0]);
+  EXPECT_TRUE(clouds[2] == clouds[0]);
 }
 
 TEST_F(VideoRuns, FramesAreCountedFromTheBeginningOfTheFile) {

@@ -25,6 +25,7 @@
 #include "coordinator/client/client.h"
 #include "worker/media_cli/colour_command.h"
 #include "worker/media_cli/evaluate_command.h"
+#include "worker/media_cli/export_command.h"
 #include "worker/media_cli/scene_command.h"
 #include "worker/media_cli/submit_views.h"
 #include "worker/media_cli/synthesize_command.h"
@@ -304,17 +305,63 @@ void AddColour(CLI::App* command, Action* action) {
   command->callback([options, action] { *action = [options] { return depthfarm::RunColour(*options, std::cout); }; });
 }
 
+void AddExport(CLI::App* command, Action* action) {
+  auto options = std::make_shared<depthfarm::ExportCommandOptions>();
+  command->add_option("format", options->format, "pfm, yuv or ply, see below")->required()->type_name("FORMAT");
+  command->add_option("depth", options->depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
+  command->add_option("-o,--output", options->output, "Folder to write")->required()->type_name("DIR");
+  command->add_option("--sequence", options->sequence, "ply: sequence file the depth was estimated from")
+      ->type_name("SEQUENCE");
+  command
+      ->add_option_function<std::string>(
+          "--frames",
+          [options](const std::string& text) {
+            if (!ParseFrames(text, &options->first_frame, &options->end_frame)) {
+              throw CLI::ValidationError("--frames", "is " + text + ", expected A:B with A < B, e.g. 0:50");
+            }
+          },
+          "Frames A to B - 1 of the sequence; either may be left out (default: all that have depth)")
+      ->type_name("A:B");
+  command->add_option("--step", options->step, "ply: a point for every N-th column and row")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("N");
+  command
+      ->add_option("--min-confidence", options->min_confidence,
+                   "ply: leave out depth that is right within a level with a smaller probability (run --confidence on)")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->type_name("P");
+  command->footer(
+      "Formats:\n"
+      "  pfm   DIR/CAMERA/FRAME.pfm: z along the camera's axis, the sequence's unit of length, 0 where there is none\n"
+      "  yuv   DIR/CAMERA.yuv: all frames, planar 4:2:0, 16 bits little-endian; luma is 1 + 65534 (1/z - 1/zFar) /\n"
+      "        (1/zNear - 1/zFar) with the camera's zNear and zFar in DIR/cameras.json, 0 where there is none\n"
+      "  ply   DIR/FRAME.ply: points of all cameras in the world, with their colours\n"
+      "Examples:\n"
+      "  depthfarm export yuv my-depth -o my-videos\n"
+      "  depthfarm export ply my-depth -o my-points --sequence my-array/sequence.json --step 2 --frames 0:1");
+  command->callback([options, action] {
+    *action = [options] {
+      CatchInterruptions();
+      options->interrupted = [] { return interrupted != 0; };
+      return depthfarm::RunExport(*options, std::cout);
+    };
+  });
+}
+
 struct Command {
   const char* name;
   const char* summary;
   void (*add)(CLI::App* command, Action* action);
 };
 
-constexpr std::array<Command, 4> kCommands = {{
+constexpr std::array<Command, 5> kCommands = {{
     {"scene", "Render a synthetic multi-camera sequence with exact depth", AddScene},
     {"evaluate", "Measure depth: synthesised views against pictures, depth against ground truth", AddEvaluate},
     {"synthesize", "Render virtual views from pictures and depth", AddSynthesize},
     {"colour", "Turn depth maps into colour pictures to look at", AddColour},
+    {"export", "Write depth for other programs: PFM, YUV video, point clouds", AddExport},
 }};
 
 // Speaks of itself as depthfarm, the program that people call.

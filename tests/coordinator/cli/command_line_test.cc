@@ -263,7 +263,7 @@ TEST(CommandLine, OverviewNamesEveryCommand) {
   const CommandLineExit exit = Exit({"--help"});
   EXPECT_EQ(exit.code, kExitOk);
   for (const char* command : {"demo", "run", "bench", "submit", "status", "watch", "jobs", "cancel", "workers",
-                              "import", "keygen", "scene", "evaluate", "colour"}) {
+                              "import", "keygen", "scene", "evaluate", "colour", "export"}) {
     EXPECT_THAT(exit.output, HasSubstr(command));
   }
 }
@@ -285,6 +285,7 @@ TEST(CommandLine, PixelCommandsGoToTheMediaProgram) {
   EXPECT_TRUE(IsMediaCommand("scene"));
   EXPECT_TRUE(IsMediaCommand("evaluate"));
   EXPECT_TRUE(IsMediaCommand("colour"));
+  EXPECT_TRUE(IsMediaCommand("export"));
   EXPECT_FALSE(IsMediaCommand("run"));
   EXPECT_FALSE(IsMediaCommand(""));
 }
