@@ -29,11 +29,14 @@ Result<VideoModule> Load() {
     module = (program.parent_path() / place).lexically_normal();
     if (fs::exists(module, error)) break;
   }
+  const auto reason = [] {
+    const char* text = dlerror();  // NOLINT(concurrency-mt-unsafe): glibc keeps it for each thread
+    return std::string(text == nullptr ? "for no reason that is told" : text);
+  };
   void* handle = dlopen(module.c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (handle == nullptr)
-    return Unavailable(std::string("videos need the module depthfarm-video.so of this program: ") + dlerror());
+  if (handle == nullptr) return Unavailable("videos need the module depthfarm-video.so of this program: " + reason());
   void* function = dlsym(handle, kOpenVideoName);
-  if (function == nullptr) return Unavailable(module.string() + ": is no module of depthfarm: " + dlerror());
+  if (function == nullptr) return Unavailable(module.string() + ": is no module of depthfarm: " + reason());
   return VideoModule{reinterpret_cast<OpenVideoFunction>(function)};
 }
 

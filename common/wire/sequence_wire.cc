@@ -53,7 +53,7 @@ Result<SequenceCamera> CameraFromProto(const v1::SequenceCamera& proto) {
   for (const std::string& image : proto.images()) {
     DEPTHFARM_RETURN_IF_ERROR(CheckAbsolutePath(name + "image", image));
     if (camera.format.of_all_frames() && !camera.images.empty() && image != camera.images.front())
-      return InvalidArgument(name + "frames of a video have two files, " + camera.images.front() + " and " + image);
+      return InvalidArgument(name + "the frames of a video are in two files");
     camera.images.push_back(image);
   }
   DEPTHFARM_RETURN_IF_ERROR(ReadGuides(name + "masks", proto.masks(), camera.images.size(), camera.masks));
