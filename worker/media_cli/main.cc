@@ -195,6 +195,21 @@ bool ParseFrames(const std::string& text, int* first, int* end) {
   return parsed && (colon == 0 || *first >= 0) && (colon + 1 == text.size() || *end > std::max(*first, 0));
 }
 
+// Of options that have first_frame and end_frame.
+template <typename Options>
+void AddFrames(CLI::App& command, const std::shared_ptr<Options>& options) {
+  command
+      .add_option_function<std::string>(
+          "--frames",
+          [options](const std::string& text) {
+            if (!ParseFrames(text, &options->first_frame, &options->end_frame)) {
+              throw CLI::ValidationError("--frames", "is " + text + ", expected A:B with A < B, e.g. 0:50");
+            }
+          },
+          "Frames A to B - 1 of the sequence; either may be left out (default: all that have depth)")
+      ->type_name("A:B");
+}
+
 void AddSynthesize(CLI::App* command, Action* action) {
   auto options = std::make_shared<depthfarm::SynthesizeCommandOptions>();
   command->add_option("sequence", options->sequence, "Sequence file the depth was estimated from")
@@ -232,16 +247,7 @@ void AddSynthesize(CLI::App* command, Action* action) {
   command->add_option("--sources", options->sources, "How many cameras auto chooses, 1 to 8")
       ->capture_default_str()
       ->type_name("N");
-  command
-      ->add_option_function<std::string>(
-          "--frames",
-          [options](const std::string& text) {
-            if (!ParseFrames(text, &options->first_frame, &options->end_frame)) {
-              throw CLI::ValidationError("--frames", "is " + text + ", expected A:B with A < B, e.g. 0:50");
-            }
-          },
-          "Frames A to B - 1 of the sequence; either may be left out (default: all that have depth)")
-      ->type_name("A:B");
+  AddFrames(*command, options);
   command->add_option("--fps", options->frames_per_second, "Pictures a second of FILE.mp4")
       ->capture_default_str()
       ->type_name("N");
@@ -312,16 +318,7 @@ void AddExport(CLI::App* command, Action* action) {
   command->add_option("-o,--output", options->output, "Folder to write")->required()->type_name("DIR");
   command->add_option("--sequence", options->sequence, "ply: sequence file the depth was estimated from")
       ->type_name("SEQUENCE");
-  command
-      ->add_option_function<std::string>(
-          "--frames",
-          [options](const std::string& text) {
-            if (!ParseFrames(text, &options->first_frame, &options->end_frame)) {
-              throw CLI::ValidationError("--frames", "is " + text + ", expected A:B with A < B, e.g. 0:50");
-            }
-          },
-          "Frames A to B - 1 of the sequence; either may be left out (default: all that have depth)")
-      ->type_name("A:B");
+  AddFrames(*command, options);
   command->add_option("--step", options->step, "ply: a point for every N-th column and row")
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
