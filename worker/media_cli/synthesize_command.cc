@@ -93,9 +93,14 @@ Status RunSynthesize(const SynthesizeCommandOptions& options, std::ostream& out)
   progress.Show("");
   out << views.size() << (views.size() == 1 ? " picture of " : " pictures of ") << first.width << "x" << first.height
       << " from";
-  for (const int source : views.front().sources)
-    out << " " << input.views[static_cast<std::size_t>(source)].camera.name;
-  if (views.back().sources != views.front().sources) out << " and so on";
+  const auto name = [&](const std::vector<int>& of) {
+    for (const int source : of) out << " " << input.views[static_cast<std::size_t>(source)].camera.name;
+  };
+  name(views.front().sources);
+  if (views.back().sources != views.front().sources) {
+    out << " to";
+    name(views.back().sources);
+  }
   out << " -> " << options.output << "\n";
   const std::size_t pictures = PicturesIn(options.output);
   if (pictures > views.size()) {
