@@ -25,9 +25,8 @@ struct PictureFile {
 
 // The bytes of a picture, for DecodePicture and for a digest of exactly what was decoded: those of its file, or its
 // part of one of all frames; of a video the planes that its codec gives. `videos`: those that stay open; null: none do.
-// Errors, beginning with the path: those of ReadFileBytes, ReadFileRange, VideoReader; a raw picture has its exact
-// size,
-//         an image file at most 1 GiB.
+// Errors, beginning with the path: those of ReadFileBytes, ReadFileRange and VideoReader; a raw picture has its exact
+// size, an image file at most 1 GiB.
 [[nodiscard]] Result<PictureBytes> ReadPictureBytes(const PictureFile& file, VideoReaders* videos = nullptr);
 
 // SHA-256 of the bytes and, of a video, of what they hold: that is not said elsewhere.

@@ -29,10 +29,10 @@ class VideoReader {
   virtual ~VideoReader() = default;
 
   // One picture as planes (raw kinds), range and matrix as the stream has them or, where PictureFormat::colour_said,
-  // the sequence; of a stream that does not tell, limited range and BT.601. Errors (kInvalidArgument, without the
-  // path): there is no such frame, it or one that it needs is damaged, as far
-  //         as its decoder notices; the time of pictures is uneven; interlaced, of another size or of samples or a
-  //         matrix that cannot be used.
+  // the sequence; of a stream that does not tell, limited range and BT.601.
+  // Errors (kInvalidArgument, without the path): there is no such frame, it or one that it needs is damaged, as far as
+  // its decoder notices; the time of pictures is uneven; interlaced, of another size or of samples or a matrix that
+  // cannot be used. kUnavailable: the file cannot be read.
   [[nodiscard]] virtual Result<PictureBytes> Read(int frame) = 0;
 };
 

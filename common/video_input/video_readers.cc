@@ -25,7 +25,7 @@ std::string StateOf(const std::string& path) {
 }
 
 bool SameVideo(const VideoFile& a, const VideoFile& b) {
-  return a.path == b.path && a.format == b.format && a.width == b.width && a.height == b.height;
+  return a.path == b.path && a.format == b.format && a.width == b.width && a.height == b.height && a.frames == b.frames;
 }
 
 }  // namespace

@@ -33,9 +33,9 @@ struct SequenceWithDepth {
   int downscale = 1;
   int first_frame = 0;  // frames with depth, positions in the sequence
   int end_frame = 0;
-  std::vector<View> views;            // as in the sequence
-  std::optional<DepthLevels> levels;  // always set
-  std::unique_ptr<VideoReaders> videos = std::make_unique<VideoReaders>();
+  std::vector<View> views;                                                  // as in the sequence
+  std::optional<DepthLevels> levels;                                        // always set
+  std::unique_ptr<VideoReaders> videos = std::make_unique<VideoReaders>();  // of its cameras, that stay open
   std::vector<int> nearest;  // per view: the nearest other view, where errors in px are seen; -1 = none
 
   SequenceWithDepth() = default;

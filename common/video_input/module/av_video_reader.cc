@@ -19,8 +19,8 @@ namespace {
 constexpr int kGoOn = 48;  // frames that are rather decoded in between than jumped over
 constexpr int kEnoughTries = 3;
 // Of a piece of memory that libav takes: tables are as long as the file says. A plane of 8192x8192 has half of it.
-constexpr std::size_t kMostBytesAtOnce = std::size_t{256} << 20;
-constexpr int kMostErrors = 1000;  // of a decoder that does not come to an end
+constexpr std::size_t kMostBytesAtOnce = (std::size_t{256} << 20) - 1;  // the fuzzer's bound
+constexpr int kMostErrors = 1000;                                       // of a decoder that does not come to an end
 constexpr int kMostFrames = 10'000'000;
 constexpr double kUneven = 0.25;  // of the time between pictures
 constexpr int kMostTries = 6;     // ever farther back, before all is decoded from the beginning
@@ -76,9 +76,17 @@ Status AvVideoReader::Begin() {
 }
 
 std::optional<double> AvVideoReader::ToldFrames() const {
-  if (stream_->duration == AV_NOPTS_VALUE) return std::nullopt;
-  const double by_time = static_cast<double>(stream_->duration) * av_q2d(stream_->time_base) * av_q2d(rate_);
-  return std::max(std::round(by_time), static_cast<double>(stream_->nb_frames));
+  const AVFormatContext& container = *file_->container();
+  double seconds = 0;
+  if (stream_->duration != AV_NOPTS_VALUE) {
+    seconds = static_cast<double>(stream_->duration) * av_q2d(stream_->time_base);
+  } else if (container.duration != AV_NOPTS_VALUE &&
+             container.duration_estimation_method == AVFMT_DURATION_FROM_STREAM) {  // mkv's header
+    seconds = static_cast<double>(container.duration) / AV_TIME_BASE;
+  } else {
+    return std::nullopt;
+  }
+  return std::max(std::round(seconds * av_q2d(rate_)), static_cast<double>(stream_->nb_frames));
 }
 
 Status AvVideoReader::CheckLength() const {

@@ -6,8 +6,10 @@ extern "C" {
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <span>
+#include <system_error>
 #include <utility>
 
 namespace depthfarm {
@@ -29,9 +31,10 @@ const char* OpenedFile::Decoders() { return kDecoders; }
 
 Result<std::unique_ptr<OpenedFile>> OpenedFile::Open(const std::string& path) {
   std::unique_ptr<OpenedFile> opened(new OpenedFile(path));
-  if (!opened->file_.ok()) return FileFailure(path, "open the file");
-  DEPTHFARM_ASSIGN_OR_RETURN(const std::uint64_t size, SizeOfRegular(path, opened->file_));
-  opened->size_ = static_cast<std::int64_t>(size);
+  if (!opened->file_.ok()) return Unavailable("cannot be opened: " + std::generic_category().message(errno));
+  const Result<std::uint64_t> size = SizeOfRegular(path, opened->file_);
+  if (!size.ok()) return InvalidArgument("is not a regular file");
+  opened->size_ = static_cast<std::int64_t>(*size);
   DEPTHFARM_RETURN_IF_ERROR(opened->OpenContainer());
   return opened;
 }

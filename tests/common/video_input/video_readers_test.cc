@@ -56,8 +56,16 @@ TEST_F(OpenVideos, ErrorsBeginWithThePathAndKeepNothingOpen) {
   EXPECT_THAT(videos.Read(file, 99).status().message(), StartsWith(file.path + ": has no picture for frame 99"));
   VideoFile none = file;
   none.path = folder_.File("none.mkv");
-  EXPECT_THAT(videos.Read(none, 0).status().message(), StartsWith(none.path + ": "));
+  EXPECT_EQ(videos.Read(none, 0).status().message(), none.path + ": cannot be opened: No such file or directory");
   EXPECT_EQ(videos.num_idle(), 0);
+}
+
+TEST_F(OpenVideos, AJobThatNeedsMoreFramesIsToldAtOnceThoughTheVideoIsOpen) {
+  VideoFile file = Written("a.mkv");
+  VideoReaders videos;
+  EXPECT_TRUE(videos.Read(file, 0).ok());
+  file.frames = 60;
+  EXPECT_THAT(videos.Read(file, 1).status().message(), testing::HasSubstr("of 60 expected frames"));
 }
 
 TEST_F(OpenVideos, ThreadsGetTheSamePictures) {
