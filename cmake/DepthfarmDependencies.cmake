@@ -14,6 +14,14 @@ pkg_check_modules(deflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(highway REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(httplib REQUIRED IMPORTED_TARGET cpp-httplib)  # Debian builds it as a library
 find_package(prometheus-cpp REQUIRED CONFIG)  # tells no version
+# For x86-64 alone; elsewhere what it does is done by libcrypto (worker/artifacts/CMakeLists.txt).
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  find_path(DEPTHFARM_IPSEC_MB_INCLUDE intel-ipsec-mb.h REQUIRED)
+  find_library(DEPTHFARM_IPSEC_MB IPSec_MB REQUIRED)
+  add_library(IPSec_MB UNKNOWN IMPORTED)
+  set_target_properties(IPSec_MB PROPERTIES IMPORTED_LOCATION ${DEPTHFARM_IPSEC_MB}
+    INTERFACE_INCLUDE_DIRECTORIES ${DEPTHFARM_IPSEC_MB_INCLUDE})
+endif()
 pkg_check_modules(libav REQUIRED IMPORTED_TARGET libavcodec libavformat libavutil)
 
 # OpenCVConfig.cmake comes only with libopencv-dev (455 packages); the component packages have none.

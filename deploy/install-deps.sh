@@ -20,6 +20,8 @@ build_libraries=(
   nlohmann-json3-dev libcli11-dev libspdlog-dev
   prometheus-cpp-dev libcpp-httplib-dev
 )
+# Hashing on vectors, which is for x86-64.
+if [ "$(dpkg --print-architecture)" = amd64 ]; then build_here=(libipsec-mb-dev); else build_here=(); fi
 test_tools=(python3-matplotlib python3-scipy slurm-wlm munge openssh-server systemd fish zsh mandoc
   iproute2 nftables strace python3-kubernetes)
 python_packages=(pybind11-dev python3-dev python3-numpy)
@@ -27,7 +29,7 @@ test_libraries=(libgtest-dev libgmock-dev libboost-graph-dev libbenchmark-dev li
 fuzz_tools=(clang libclang-rt-14-dev)
 arm64_tools=(g++-aarch64-linux-gnu mmdebstrap qemu-user)
 
-build_packages=(g++ "${build_tools[@]}" "${build_libraries[@]}")
+build_packages=(g++ "${build_tools[@]}" "${build_libraries[@]}" "${build_here[@]}")
 test_packages=("${build_packages[@]}" "${test_tools[@]}" "${test_libraries[@]}" "${python_packages[@]}")
 case "${1:-build}" in
   build) packages=("${build_packages[@]}") ;;

@@ -86,16 +86,23 @@ struct FrameResult {
   bool operator==(const FrameResult&) const = default;
 };
 
-// What the files of an Analyse task hold.
+// A file that the submitter of its job serves: an artifact whose key is the SHA-256 of the file.
+struct UploadedFile {
+  FileDigest file;
+  ContentDigest artifact_digest{};  // a fetch must yield exactly these bytes
+  bool operator==(const UploadedFile&) const = default;
+};
+
+// The files of an Analyse task whose submitter serves them.
 struct SourceDigests {
-  FileDigest picture;
-  std::optional<FileDigest> mask;
-  std::optional<FileDigest> prior;
-  std::optional<FileDigest> prior_confidence;
+  UploadedFile picture;
+  std::optional<UploadedFile> mask;
+  std::optional<UploadedFile> prior;
+  std::optional<UploadedFile> prior_confidence;
   bool operator==(const SourceDigests&) const = default;
 };
 
-// Files of an Analyse task that its job's submitter serves: each an artifact whose key is the digest of its content.
+// Those files, and where they are served.
 struct UploadedSources {
   SourceDigests files;
   ArtifactLocation from;

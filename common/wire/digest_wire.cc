@@ -38,4 +38,18 @@ Result<FileDigest> FromProto(const v1::FileDigest& proto) {
   return file;
 }
 
+v1::UploadedFile ToProto(const UploadedFile& upload) {
+  v1::UploadedFile proto;
+  *proto.mutable_file() = ToProto(upload.file);
+  proto.set_artifact_digest(DigestBytes(upload.artifact_digest));
+  return proto;
+}
+
+Result<UploadedFile> FromProto(const v1::UploadedFile& proto) {
+  UploadedFile upload;
+  DEPTHFARM_ASSIGN_OR_RETURN(upload.file, FromProto(proto.file()));
+  DEPTHFARM_ASSIGN_OR_RETURN(upload.artifact_digest, DigestFromBytes("artifact digest", proto.artifact_digest()));
+  return upload;
+}
+
 }  // namespace depthfarm

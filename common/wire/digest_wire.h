@@ -19,6 +19,8 @@ namespace depthfarm {
 // Sizes are 1 to 4 GiB.
 [[nodiscard]] v1::FileDigest ToProto(const FileDigest& file);
 [[nodiscard]] Result<FileDigest> FromProto(const v1::FileDigest& file);
+[[nodiscard]] v1::UploadedFile ToProto(const UploadedFile& upload);
+[[nodiscard]] Result<UploadedFile> FromProto(const v1::UploadedFile& upload);
 
 }  // namespace depthfarm
 

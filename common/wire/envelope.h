@@ -11,10 +11,10 @@
 namespace depthfarm {
 
 // Both ends must speak the same: raised by any change of proto/ that an older end would misread.
-inline constexpr std::uint32_t kProtocolVersion = 8;
+inline constexpr std::uint32_t kProtocolVersion = 9;
 // Raised by additions, which an older end may pass over (PROTOCOL.md, section 2, lists them): ends whose minor versions
 // differ talk to each other.
-inline constexpr std::uint32_t kProtocolMinor = 3;
+inline constexpr std::uint32_t kProtocolMinor = 0;
 
 // The bytes of one message; sets both versions.
 [[nodiscard]] std::string SerializeEnvelope(v1::Envelope envelope);

@@ -328,8 +328,8 @@ void UploadsToProto(const UploadedSources& uploads, v1::TaskSpec& proto) {
 }
 
 // A file that the task names has a digest, another one has none.
-Status UploadFromProto(const std::string& path, bool present, const v1::FileDigest& proto,
-                       std::optional<FileDigest>& file) {
+Status UploadFromProto(const std::string& path, bool present, const v1::UploadedFile& proto,
+                       std::optional<UploadedFile>& file) {
   if (path.empty() == present) return InvalidArgument("an uploaded file without a name or a digest");
   if (!present) return {};
   DEPTHFARM_ASSIGN_OR_RETURN(file, FromProto(proto));

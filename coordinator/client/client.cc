@@ -26,10 +26,10 @@ auto ToVector(const Messages& messages) {
   return std::vector(messages.begin(), messages.end());
 }
 
-void AddFiles(const std::vector<FileDigest>& files, google::protobuf::RepeatedPtrField<v1::FileDigest>& protos) {
-  for (const FileDigest& file : files) {
-    v1::FileDigest& proto = *protos.Add();
-    if (file.bytes > 0) proto = ToProto(file);
+void AddFiles(const std::vector<UploadedFile>& files, google::protobuf::RepeatedPtrField<v1::UploadedFile>& protos) {
+  for (const UploadedFile& upload : files) {
+    v1::UploadedFile& proto = *protos.Add();
+    if (upload.file.bytes > 0) proto = ToProto(upload);
   }
 }
 

@@ -42,10 +42,10 @@ struct RenderSubmission {
 // files that the job does not read.
 struct UploadSubmission {
   struct CameraFiles {
-    std::vector<FileDigest> images;
-    std::vector<FileDigest> masks;
-    std::vector<FileDigest> prior;
-    std::vector<FileDigest> prior_confidence;
+    std::vector<UploadedFile> images;
+    std::vector<UploadedFile> masks;
+    std::vector<UploadedFile> prior;
+    std::vector<UploadedFile> prior_confidence;
   };
   ArtifactLocation from;
   std::vector<CameraFiles> cameras;

@@ -17,8 +17,8 @@ std::string StagingName(int frame, int attempt, LeaseId lease) {
 
 // Digests in place of paths, which mean something on the submitter's machine alone.
 std::pair<std::string, GuideFiles> NamesOf(const SourceDigests& files) {
-  const auto name = [](const std::optional<FileDigest>& file) {
-    return file ? std::string(file->sha256.begin(), file->sha256.end()) : std::string();
+  const auto name = [](const std::optional<UploadedFile>& upload) {
+    return upload ? std::string(upload->file.sha256.begin(), upload->file.sha256.end()) : std::string();
   };
   return {name(files.picture), {name(files.mask), name(files.prior), name(files.prior_confidence)}};
 }

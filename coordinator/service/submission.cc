@@ -51,13 +51,13 @@ void ListFiles(const Sequence& sequence, PlannedJob& job) {
   }
 }
 
-Result<std::optional<FileDigest>> UploadOf(const google::protobuf::RepeatedPtrField<v1::FileDigest>& files, int frame,
-                                           const std::string& path) {
-  if (path.empty()) return std::optional<FileDigest>();
+Result<std::optional<UploadedFile>> UploadOf(const google::protobuf::RepeatedPtrField<v1::UploadedFile>& files,
+                                             int frame, const std::string& path) {
+  if (path.empty()) return std::optional<UploadedFile>();
   if (frame >= files.size()) return InvalidArgument("uploads: " + path + " has no digest");
-  Result<FileDigest> file = FromProto(files[frame]);
+  Result<UploadedFile> file = FromProto(files[frame]);
   if (!file.ok()) return file.status().WithContext("uploads: " + path);
-  return std::optional<FileDigest>(*file);
+  return std::optional<UploadedFile>(*file);
 }
 
 // What the submitter serves of the job's views and frames.

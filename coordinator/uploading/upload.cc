@@ -25,7 +25,7 @@ constexpr std::chrono::milliseconds kLookInterval{100};
 // One list of paths of a camera and the digests of those that the job reads.
 struct FileList {
   const std::vector<std::string>& paths;
-  std::vector<FileDigest>& digests;
+  std::vector<UploadedFile>& digests;
 };
 
 }  // namespace

@@ -246,8 +246,8 @@ void AddSubmissions(const Sequence& sequence, Seeds& seeds) {
   kept.mutable_uploads_from()->set_endpoint("tcp://host:7701");
   for (v1::SequenceCamera& camera : *kept.mutable_sequence()->mutable_cameras()) {
     for (int frame = 0; frame < camera.images_size(); ++frame) {
-      *camera.mutable_uploads()->add_images() = ToProto(FileDigest{Digest(7), 50});
-      *camera.mutable_uploads()->add_masks() = ToProto(FileDigest{Digest(8), 50});
+      *camera.mutable_uploads()->add_images() = ToProto(UploadedFile{{Digest(7), 50}, Digest(10)});
+      *camera.mutable_uploads()->add_masks() = ToProto(UploadedFile{{Digest(8), 50}, Digest(11)});
     }
   }
   seeds["submission/upload"] = kept.SerializeAsString();
@@ -293,7 +293,8 @@ TaskSpec SmallTask(TaskKind kind, const Sequence& sequence) {
       spec.picture = "/a/0.png";
       spec.guides = {.mask = "/m/0.png", .prior = "", .prior_confidence = ""};
       spec.known = spec.inputs[0];
-      spec.uploads = UploadedSources{{{Digest(3), 9}, FileDigest{Digest(4), 9}, {}, {}}, {"tcp://host:2", ""}};
+      spec.uploads = UploadedSources{{{{Digest(3), 9}, Digest(5)}, UploadedFile{{Digest(4), 9}, Digest(6)}, {}, {}},
+                                     {"tcp://host:2", ""}};
       break;
     case TaskKind::kMerge:
       spec.output_key = Digest(5);

@@ -14,7 +14,7 @@ namespace depthfarm::system_test {
 // analyses it is busy until then.
 class GatedFiles : public ChunkSource {
  public:
-  [[nodiscard]] FileDigest Add(const std::string& path) {
+  [[nodiscard]] UploadedFile Add(const std::string& path) {
     return files_.Add(path, [] { return false; }).value();
   }
   void Gate(const ArtifactKey& key) { gated_ = key; }

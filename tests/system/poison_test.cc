@@ -37,7 +37,7 @@ class Poison : public testing::Test {
     for (const SequenceCamera& camera : submission_.sequence.cameras) {
       uploads.cameras.emplace_back().images = {files_.Add(camera.images.at(0)), files_.Add(camera.images.at(1))};
     }
-    files_.Gate(uploads.cameras.at(1).images.at(1).sha256);
+    files_.Gate(uploads.cameras.at(1).images.at(1).file.sha256);
     server_ = ArtifactServer::Start(context_, files_, "ipc://" + folder_ / "pictures", "").value();
     uploads.from.endpoint = server_->endpoint();
     submission_.uploads = std::move(uploads);

@@ -32,7 +32,7 @@ class Rebalancing : public testing::Test {
     for (const SequenceCamera& camera : submission_.sequence.cameras) {
       uploads.cameras.emplace_back().images = {files_.Add(camera.images.at(0))};
     }
-    files_.Gate(uploads.cameras.at(0).images.at(0).sha256);
+    files_.Gate(uploads.cameras.at(0).images.at(0).file.sha256);
     server_ = ArtifactServer::Start(context_, files_, "ipc://" + folder_ / "pictures", "").value();
     uploads.from.endpoint = server_->endpoint();
     submission_.uploads = std::move(uploads);

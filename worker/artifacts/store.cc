@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/digest/sha256.h"
+#include "worker/artifacts/artifact_digest.h"
 
 namespace depthfarm {
 namespace {
@@ -72,7 +73,7 @@ Status ArtifactStore::Scan() {
 }
 
 Result<ArtifactInfo> ArtifactStore::Put(const ArtifactKey& key, std::string_view artifact) {
-  const ArtifactInfo info{key, artifact.size(), Sha256(artifact)};
+  const ArtifactInfo info{key, artifact.size(), DigestOfArtifact(artifact)};
   DEPTHFARM_RETURN_IF_ERROR(PutVerified(info, artifact));
   return info;
 }
@@ -173,7 +174,7 @@ Result<std::string> ArtifactStore::ReadAndVerify(const ArtifactInfo& info) {
                        " bytes");
   }
   const Status read = ReadStoreFileBytes(folder_->PathOf(info.key).string(), file, 0, bytes);
-  DEPTHFARM_RETURN_IF_ERROR(Judge(info, file, read.ok() ? Result<Sha256Digest>(Sha256(bytes)) : read));
+  DEPTHFARM_RETURN_IF_ERROR(Judge(info, file, read.ok() ? Result<ContentDigest>(DigestOfArtifact(bytes)) : read));
   return bytes;
 }
 
@@ -189,7 +190,7 @@ Result<FileId> ArtifactStore::FileOf(const ArtifactInfo& info) {
   return entry->second.file;
 }
 
-Status ArtifactStore::Judge(const ArtifactInfo& info, const FileId& file, const Result<Sha256Digest>& digest) {
+Status ArtifactStore::Judge(const ArtifactInfo& info, const FileId& file, const Result<ContentDigest>& digest) {
   const bool right = digest.ok() && *digest == info.content_digest;
   const std::scoped_lock lock(mutex_);
   const auto entry = Look(info.key);

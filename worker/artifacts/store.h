@@ -131,7 +131,7 @@ class ArtifactStore : public ChunkSource {
   [[nodiscard]] Result<FileId> FileOf(const ArtifactInfo& info);
   // What the digest of the bytes in `file` says, or the error of reading them: the artifact is right, or was no longer
   // of interest, or is dropped. Errors as Get.
-  [[nodiscard]] Status Judge(const ArtifactInfo& info, const FileId& file, const Result<Sha256Digest>& digest);
+  [[nodiscard]] Status Judge(const ArtifactInfo& info, const FileId& file, const Result<ContentDigest>& digest);
   // Moves a written file to its place, makes room for it.
   [[nodiscard]] Status Accept(const ArtifactInfo& info, const std::string& written_as);
   void Unpin(const std::vector<ArtifactKey>& keys);

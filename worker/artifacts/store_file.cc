@@ -11,11 +11,12 @@
 #include "common/base/little_endian.h"
 #include "common/files/atomic_file.h"
 #include "common/files/open_file.h"
+#include "worker/artifacts/artifact_digest.h"
 
 namespace depthfarm {
 namespace {
 
-constexpr std::string_view kMagic = "DFART001";
+constexpr std::string_view kMagic = "DFART002";
 
 FileId IdOf(const struct stat& facts) {
   return {static_cast<std::uint64_t>(facts.st_dev), static_cast<std::uint64_t>(facts.st_ino),
@@ -43,7 +44,7 @@ Status CheckId(const std::string& path, const OpenFile& file, const FileId& expe
 
 }  // namespace
 
-Status WriteStoreFile(const std::string& path, const Sha256Digest& content_digest, std::string_view artifact) {
+Status WriteStoreFile(const std::string& path, const ContentDigest& content_digest, std::string_view artifact) {
   std::string header(kMagic);
   header.append(reinterpret_cast<const char*>(content_digest.data()), content_digest.size());
   AppendU64(artifact.size(), header);
@@ -90,10 +91,10 @@ Status ReadStoreFileBytes(const std::string& path, const FileId& expected, std::
   return ReadAt(path, file, kStoreFileHeaderBytes + offset, bytes);
 }
 
-Result<Sha256Digest> DigestOfStoreFile(const std::string& path, const FileId& expected) {
+Result<ContentDigest> DigestOfStoreFile(const std::string& path, const FileId& expected) {
   const OpenFile file = OpenStored(path);
   DEPTHFARM_RETURN_IF_ERROR(CheckId(path, file, expected));
-  Sha256Hasher hasher;
+  ArtifactHasher hasher;
   std::string step(kDigestStepBytes, '\0');
   for (std::uint64_t at = kStoreFileHeaderBytes; at < expected.bytes; at += step.size()) {
     if (expected.bytes - at < step.size()) step.resize(static_cast<std::size_t>(expected.bytes - at));

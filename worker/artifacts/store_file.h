@@ -8,11 +8,11 @@
 #include <string_view>
 
 #include "common/base/status.h"
-#include "common/digest/sha256.h"
+#include "common/job/task_spec.h"
 
 namespace depthfarm {
 
-// One artifact as a file: "DFART001", SHA-256 of the artifact (32 bytes), its size (8 bytes, little-endian), the
+// One artifact as a file: "DFART002", its digest (artifact_digest.h, 32 bytes), its size (8 bytes, little-endian), the
 // artifact.
 inline constexpr std::uint64_t kStoreFileHeaderBytes = 48;
 
@@ -25,14 +25,14 @@ struct FileId {
 };
 
 struct StoreFileHeader {
-  Sha256Digest content_digest{};
+  ContentDigest content_digest{};
   std::uint64_t bytes = 0;
   FileId file;
 };
 
 // Header and artifact, as a new file. The folder must exist.
 // Errors: kUnavailable, naming the file and the system's reason.
-[[nodiscard]] Status WriteStoreFile(const std::string& path, const Sha256Digest& content_digest,
+[[nodiscard]] Status WriteStoreFile(const std::string& path, const ContentDigest& content_digest,
                                     std::string_view artifact);
 
 // Errors: kUnavailable when the file cannot be read; kCorrupt when it is not such a file or its size does not fit its
@@ -47,7 +47,7 @@ struct StoreFileHeader {
 [[nodiscard]] Status ReadStoreFileBytes(const std::string& path, const FileId& file, std::uint64_t offset,
                                         std::span<char> bytes);
 // Of the artifact as it is in the file, read in steps of a MiB. Errors as ReadStoreFileBytes.
-[[nodiscard]] Result<Sha256Digest> DigestOfStoreFile(const std::string& path, const FileId& file);
+[[nodiscard]] Result<ContentDigest> DigestOfStoreFile(const std::string& path, const FileId& file);
 
 }  // namespace depthfarm
 

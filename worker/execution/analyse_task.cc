@@ -42,10 +42,10 @@ struct GuideBytes {
 };
 
 // Reads a guide: by its path, or what the submitter serves of it.
-using ReadFile = std::function<Result<std::string>(const std::string& path, const std::optional<FileDigest>& upload)>;
+using ReadFile = std::function<Result<std::string>(const std::string& path, const std::optional<UploadedFile>& upload)>;
 
 Result<std::optional<std::string>> ReadGuide(const ReadFile& read, const std::string& path,
-                                             const std::optional<FileDigest>& upload) {
+                                             const std::optional<UploadedFile>& upload) {
   if (path.empty()) return std::optional<std::string>();
   DEPTHFARM_ASSIGN_OR_RETURN(std::string bytes, read(path, upload));
   return std::optional<std::string>(std::move(bytes));
@@ -66,10 +66,10 @@ Result<GuideBytes> ReadGuides(const ReadFile& read, const TaskSpec& spec) {
 
 // Of uploads the job says them: equal files give equal names, however they are read.
 AnalysisDigests DigestsOf(const SourceDigests& uploads) {
-  const auto digest = [](const std::optional<FileDigest>& file) {
-    return file ? std::optional<ContentDigest>(file->sha256) : std::nullopt;
+  const auto digest = [](const std::optional<UploadedFile>& upload) {
+    return upload ? std::optional<ContentDigest>(upload->file.sha256) : std::nullopt;
   };
-  return {.picture = uploads.picture.sha256,
+  return {.picture = uploads.picture.file.sha256,
           .mask = digest(uploads.mask),
           .prior = digest(uploads.prior),
           .prior_confidence = uploads.prior ? digest(uploads.prior_confidence) : std::nullopt,
@@ -107,12 +107,12 @@ Status TaskExecutor::AnalysePicture(const Task& task, const JobView& view, TaskO
     return InvalidArgument(TaskName(task.spec.id) + (refers ? ": expected the analysis of the frame before"
                                                             : ": expected no analysis of another frame"));
   }
-  const ReadFile read = [&](const std::string& file, const std::optional<FileDigest>& upload) -> Result<std::string> {
+  const ReadFile read = [&](const std::string& file, const std::optional<UploadedFile>& upload) -> Result<std::string> {
     if (!task.spec.uploads) {
       DEPTHFARM_RETURN_IF_ERROR(roots_.CheckRead(file));
       return ReadFileBytes(file, kMaxGuideBytes);
     }
-    return ReadUpload(store_, fetcher_, upload.value_or(FileDigest()), task.spec.uploads->from, file, task.stop,
+    return ReadUpload(store_, fetcher_, upload.value_or(UploadedFile()), task.spec.uploads->from, file, task.stop,
                       outcome.stats.fetched_bytes);
   };
   GuideBytes guides;

@@ -18,8 +18,8 @@ namespace depthfarm {
 
 // A file that the submitter serves: from the store, where it may have been fetched to ahead, else from the submitter,
 // who is given 20 s to come back. `path` is its name there. Errors: kUnavailable: the submitter did not answer;
-// kCorrupt: the file was changed since the job was submitted; kCancelled.
-[[nodiscard]] Result<std::string> ReadUpload(ArtifactStore& store, ArtifactFetcher& fetcher, const FileDigest& file,
+// kCorrupt: the file was changed since the job was submitted, or is not the one that was named; kCancelled.
+[[nodiscard]] Result<std::string> ReadUpload(ArtifactStore& store, ArtifactFetcher& fetcher, const UploadedFile& file,
                                              const ArtifactLocation& from, const std::string& path,
                                              const std::stop_token& stop, std::uint64_t& fetched_bytes);
 

@@ -95,7 +95,7 @@ void Assembly::Reset() {
   first_missing_ = 0;
   filled_ = 0;
   whole_ = 0;
-  hasher_ = Sha256Hasher();
+  hasher_ = ArtifactHasher();
   hashed_ = 0;
 }
 
@@ -105,7 +105,7 @@ void Assembly::HashNext() {
   hasher_.Update(std::string_view(bytes_).substr(static_cast<std::size_t>(piece.offset), piece.bytes));
 }
 
-std::optional<Sha256Digest> Assembly::Digest(std::chrono::milliseconds timeout) {
+std::optional<ContentDigest> Assembly::Digest(std::chrono::milliseconds timeout) {
   if (large_ && trailing_) return trailing_->Wait(timeout);
   HashNext();
   if (hashed_ < state_.size()) return std::nullopt;

@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "common/base/status.h"
-#include "common/digest/sha256.h"
+#include "common/job/task_spec.h"
+#include "worker/artifacts/artifact_digest.h"
 #include "worker/transfer/trailing_digest.h"
 
 namespace depthfarm {
@@ -46,7 +47,7 @@ class Assembly {
   // One step of the digest, if there is one to be done here and now.
   void HashNext();
   // Requires a complete assembly. The digest of all; none when it takes longer than `timeout` or a step of its own.
-  [[nodiscard]] std::optional<Sha256Digest> Digest(std::chrono::milliseconds timeout);
+  [[nodiscard]] std::optional<ContentDigest> Digest(std::chrono::milliseconds timeout);
   // Requires that no thread hashes it: Digest has told, or Reset was called.
   [[nodiscard]] std::string Take() && { return std::move(bytes_); }
 
@@ -65,7 +66,7 @@ class Assembly {
   std::size_t whole_ = 0;  // pieces that are here from the first on without a gap
   bool large_ = false;
   std::unique_ptr<TrailingDigest> trailing_;  // null: hashed here
-  Sha256Hasher hasher_;
+  ArtifactHasher hasher_;
   std::size_t hashed_ = 0;  // pieces, from the first on
 };
 

@@ -41,7 +41,7 @@ Result<std::string> Fetch::Run() {
   max_sources_ = std::clamp(worth, std::size_t{1}, static_cast<std::size_t>(options_.max_locations));
   while (true) {
     if (candidates_.empty() && sources_.empty()) return failure_;
-    DEPTHFARM_ASSIGN_OR_RETURN(const Sha256Digest digest, Complete(assembly));
+    DEPTHFARM_ASSIGN_OR_RETURN(const ContentDigest digest, Complete(assembly));
     if (digest == artifact_.content_digest) return std::move(assembly).Take();
     // Nobody was asked, and nobody could send something else.
     if (artifact_.stored_bytes == 0) return Corrupt("is empty, and its digest is not that of nothing");
@@ -49,11 +49,11 @@ Result<std::string> Fetch::Run() {
   }
 }
 
-Result<Sha256Digest> Fetch::Complete(Assembly& assembly) {
+Result<ContentDigest> Fetch::Complete(Assembly& assembly) {
   while (true) {
     if (stop_.stop_requested()) return Cancelled();
     if (assembly.complete()) {
-      if (const std::optional<Sha256Digest> digest = assembly.Digest(kStopCheck)) return *digest;
+      if (const std::optional<ContentDigest> digest = assembly.Digest(kStopCheck)) return *digest;
       continue;
     }
     AdmitSources(assembly);

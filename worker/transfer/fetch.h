@@ -67,7 +67,7 @@ class Fetch {
   };
 
   // Fills the assembly and returns its digest. Errors: kCancelled; kUnavailable: no location is left.
-  [[nodiscard]] Result<Sha256Digest> Complete(Assembly& assembly);
+  [[nodiscard]] Result<ContentDigest> Complete(Assembly& assembly);
   void AdmitSources(Assembly& assembly);
   void Ask(Assembly& assembly);
   [[nodiscard]] Status AskOne(Assembly& assembly, Source& source);

@@ -10,6 +10,7 @@
 
 #include "common/digest/sha256.h"
 #include "common/files/open_file.h"
+#include "worker/artifacts/artifact_digest.h"
 
 namespace depthfarm {
 namespace {
@@ -21,32 +22,37 @@ bool SameTime(const timespec& a, const timespec& b) { return a.tv_sec == b.tv_se
 
 }  // namespace
 
-Result<FileDigest> ServedFiles::Add(const std::string& path, const std::function<bool()>& stop) {
+Result<UploadedFile> ServedFiles::Add(const std::string& path, const std::function<bool()>& stop) {
   if (const auto known = added_.find(path); known != added_.end()) return known->second;
   const OpenFile file = OpenToRead(path);
   if (!file.ok()) return FileFailure(path, "open the file");
   struct stat facts {};
   if (fstat(file.descriptor(), &facts) != 0) return FileFailure(path, "examine the file");
   if (!S_ISREG(facts.st_mode)) return InvalidArgument(path + ": is not a regular file");
-  FileDigest digest;
+  UploadedFile upload;
+  FileDigest& digest = upload.file;
   digest.bytes = static_cast<std::uint64_t>(facts.st_size);
   if (digest.bytes == 0 || digest.bytes > kMaxFileBytes) {
     return InvalidArgument(path + ": holds " + std::to_string(digest.bytes) + " bytes, expected 1 to " +
                            std::to_string(kMaxFileBytes));
   }
   Sha256Hasher hasher;
+  ArtifactHasher artifact_hasher;
   std::string piece(kPieceBytes, '\0');
   for (std::uint64_t at = 0; at < digest.bytes; at += kPieceBytes) {
     if (stop()) return Cancelled();
     DEPTHFARM_ASSIGN_OR_RETURN(const std::size_t count, ReadUpTo(path, file, at, piece));
     if (count != std::min<std::uint64_t>(kPieceBytes, digest.bytes - at))
       return Unavailable(path + ": changed while it was read");
-    hasher.Update(std::string_view(piece).substr(0, count));
+    const std::string_view read = std::string_view(piece).substr(0, count);
+    hasher.Update(read);
+    artifact_hasher.Update(read);
   }
   digest.sha256 = hasher.Finish();
+  upload.artifact_digest = artifact_hasher.Finish();
   files_[digest.sha256] = {path, digest.bytes, facts.st_mtim};
-  added_[path] = digest;
-  return digest;
+  added_[path] = upload;
+  return upload;
 }
 
 Result<ArtifactChunk> ServedFiles::ReadChunk(const ArtifactKey& key, std::uint64_t offset, std::uint64_t max_bytes) {

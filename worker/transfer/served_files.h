@@ -20,9 +20,9 @@ namespace depthfarm {
 // are, a piece at a time. Add all before they are served.
 class ServedFiles : public ChunkSource {
  public:
-  // Reads the file once, for its digest; `stop` is asked in between. Errors: kInvalidArgument: it is no regular file,
+  // Reads the file once, for its digests; `stop` is asked in between. Errors: kInvalidArgument: it is no regular file,
   // is empty or larger than 4 GiB; kUnavailable: it cannot be read; kCancelled. All name the path.
-  [[nodiscard]] Result<FileDigest> Add(const std::string& path, const std::function<bool()>& stop);
+  [[nodiscard]] Result<UploadedFile> Add(const std::string& path, const std::function<bool()>& stop);
 
   // kCorrupt, naming the path, when the file was changed since it was added.
   [[nodiscard]] Result<ArtifactChunk> ReadChunk(const ArtifactKey& key, std::uint64_t offset,
@@ -36,7 +36,7 @@ class ServedFiles : public ChunkSource {
   };
   ChunkMemory chunk_memory_;
   std::map<ArtifactKey, File> files_;
-  std::map<std::string, FileDigest> added_;  // by path
+  std::map<std::string, UploadedFile> added_;  // by path
 };
 
 }  // namespace depthfarm

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <system_error>
 
+#include "worker/artifacts/artifact_digest.h"
+
 namespace depthfarm {
 namespace {
 
@@ -39,14 +41,14 @@ void TrailingDigest::Advance(std::size_t bytes) {
   changed_.notify_all();
 }
 
-std::optional<Sha256Digest> TrailingDigest::Wait(std::chrono::milliseconds timeout) {
+std::optional<ContentDigest> TrailingDigest::Wait(std::chrono::milliseconds timeout) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, timeout, [this] { return digest_.has_value(); });
   return digest_;
 }
 
 void TrailingDigest::Hash() {
-  Sha256Hasher hasher;
+  ArtifactHasher hasher;
   std::size_t hashed = 0;
   while (hashed < bytes_.size()) {
     std::size_t step = 0;

@@ -10,12 +10,13 @@
 #include <string_view>
 #include <thread>
 
-#include "common/digest/sha256.h"
+#include "common/job/task_spec.h"
 
 namespace depthfarm {
 
-// SHA-256 of bytes that come to be known from the front on, computed on a thread of its own behind whoever fills them:
-// hashing takes as long as all else that is done to a chunk that arrives. For one filling thread.
+// The digest of an artifact (artifact_digest.h) whose bytes come to be known from the front on, computed on a thread of
+// its own behind whoever fills them: hashing takes as long as all else that is done to a chunk that arrives. For one
+// filling thread.
 class TrailingDigest {
  public:
   // Reads `total_bytes` from `bytes` on, each when it is known. They must stay where they are as long as this lives.
@@ -29,7 +30,7 @@ class TrailingDigest {
   // The first `bytes` are known now, and do not change any more. Never fewer than before.
   void Advance(std::size_t bytes);
   // The digest of all; none when it is not there within `timeout`.
-  [[nodiscard]] std::optional<Sha256Digest> Wait(std::chrono::milliseconds timeout);
+  [[nodiscard]] std::optional<ContentDigest> Wait(std::chrono::milliseconds timeout);
 
  private:
   TrailingDigest(const char* bytes, std::size_t total_bytes);
@@ -40,7 +41,7 @@ class TrailingDigest {
   std::condition_variable changed_;
   std::size_t known_ = 0;
   bool stopping_ = false;
-  std::optional<Sha256Digest> digest_;
+  std::optional<ContentDigest> digest_;
   std::thread thread_;
 };
 

@@ -49,7 +49,7 @@ TEST(Envelope, OfAKindThatOnlyTheOtherEndKnowsNamesBothVersions) {
   envelope.GetReflection()->MutableUnknownFields(&envelope)->AddLengthDelimited(4000, "");
   const Status status = ParseEnvelope(envelope.SerializeAsString()).status();
   EXPECT_EQ(status.code(), ErrorCode::kInvalidArgument);
-  EXPECT_EQ(status.message(), "a message that this end, of protocol 8.3, does not know; the peer has protocol 8.4");
+  EXPECT_EQ(status.message(), "a message that this end, of protocol 9.0, does not know; the peer has protocol 9.1");
 }
 
 TEST(Envelope, WithoutABodyIsCorrupt) {

@@ -170,9 +170,11 @@ TEST(TaskSpecWire, UploadsComeBackAndFitTheFilesOfTheTask) {
   spec.id = {JobId(3), 2, TaskKind::kAnalyse, 1, 0};
   spec.picture = "/there/0.png";
   spec.guides.mask = "/there/mask.png";
-  spec.uploads = UploadedSources{
-      {.picture = {Digest(1), 100}, .mask = FileDigest{Digest(2), 50}, .prior = {}, .prior_confidence = {}},
-      {"tcp://submitter:1", std::string(40, 'k')}};
+  spec.uploads = UploadedSources{{.picture = {{Digest(1), 100}, Digest(3)},
+                                  .mask = UploadedFile{{Digest(2), 50}, Digest(4)},
+                                  .prior = {},
+                                  .prior_confidence = {}},
+                                 {"tcp://submitter:1", std::string(40, 'k')}};
   EXPECT_EQ(FromProto(ToProto(spec)).value(), spec);
   const auto refused = [&](const std::function<void(v1::TaskSpec&)>& damage) {
     v1::TaskSpec proto = ToProto(spec);
@@ -180,10 +182,11 @@ TEST(TaskSpecWire, UploadsComeBackAndFitTheFilesOfTheTask) {
     return FromProto(proto).status().code() == ErrorCode::kInvalidArgument;
   };
   EXPECT_TRUE(refused([](auto& s) { s.clear_picture_upload(); }));
+  EXPECT_TRUE(refused([](auto& s) { s.mutable_picture_upload()->clear_artifact_digest(); }));
   EXPECT_TRUE(refused([](auto& s) { s.clear_mask_upload(); }));
-  EXPECT_TRUE(refused([](auto& s) { s.mutable_prior_upload()->set_bytes(1); }));
-  EXPECT_TRUE(refused([](auto& s) { s.mutable_picture_upload()->set_bytes(std::uint64_t{1} << 40); }));
-  EXPECT_TRUE(refused([](auto& s) { s.mutable_picture_upload()->set_sha256("short"); }));
+  EXPECT_TRUE(refused([](auto& s) { s.mutable_prior_upload()->mutable_file()->set_bytes(1); }));
+  EXPECT_TRUE(refused([](auto& s) { s.mutable_picture_upload()->mutable_file()->set_bytes(std::uint64_t{1} << 40); }));
+  EXPECT_TRUE(refused([](auto& s) { s.mutable_picture_upload()->mutable_file()->set_sha256("short"); }));
   EXPECT_TRUE(refused([](auto& s) { s.mutable_uploads_from()->clear_endpoint(); }));
 }
 

@@ -321,7 +321,8 @@ PlannedJob MakeUploadedJob() {
   for (std::uint8_t view = 0; view < 2; ++view) {
     job.uploads.emplace_back();
     for (std::uint8_t frame = 0; frame < 2; ++frame)
-      job.uploads.back().push_back({.picture = {{view, frame}, 7}, .mask = {}, .prior = {}, .prior_confidence = {}});
+      job.uploads.back().push_back(
+          {.picture = {{{view, frame}, 7}, {8}}, .mask = {}, .prior = {}, .prior_confidence = {}});
   }
   job.uploads_from = {"tcp://submitter:7", ""};
   return job;
@@ -335,7 +336,7 @@ TEST(Scheduler, TasksThatReadUploadsAreToldWhatAndWhere) {
   ASSERT_TRUE(analyse.task.spec.uploads.has_value());
   EXPECT_EQ(analyse.task.spec.uploads->from.endpoint, "tcp://submitter:7");
   const auto view = static_cast<std::uint8_t>(analyse.task.spec.id.index);
-  EXPECT_EQ(analyse.task.spec.uploads->files.picture, (FileDigest{{view, 0}, 7}));
+  EXPECT_EQ(analyse.task.spec.uploads->files.picture, (UploadedFile{{{view, 0}, 7}, {8}}));
 }
 
 TEST(Scheduler, AJobWithUploadsFailsWhenItsSubmitterIsSilent) {

@@ -203,7 +203,7 @@ TEST(Coordinator, APeerOfTheNextMinorVersionIsServedAndToldWhatIsNotKnown) {
   client.SendBytes(as_later({}, false));
   const v1::Error unknown = client.Receive().error();
   EXPECT_EQ(unknown.code(), v1::CODE_INVALID_ARGUMENT);
-  EXPECT_EQ(unknown.message(), "a message that this end, of protocol 8.3, does not know; the peer has protocol 8.4");
+  EXPECT_EQ(unknown.message(), "a message that this end, of protocol 9.0, does not know; the peer has protocol 9.1");
   client.SendBytes(as_later(SubmitRequest(2, "/out/a"), true));
   EXPECT_TRUE(client.Receive().has_job_accepted());
   FakeFarmWorker worker(context, coordinator.endpoint(), "w1");

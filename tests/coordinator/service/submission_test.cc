@@ -109,8 +109,10 @@ TEST(Submission, UploadsAreThoseOfTheJobsFramesAndViews) {
     v1::UploadedFiles& files = *submit.mutable_sequence()->mutable_cameras(c)->mutable_uploads();
     files.add_images();  // frame 0 is not read
     for (int f = 1; f < 3; ++f) {
-      files.add_images()->set_sha256(std::string(32, static_cast<char>('a' + 3 * c + f)));
-      files.mutable_images(f)->set_bytes(100);
+      v1::UploadedFile& image = *files.add_images();
+      image.mutable_file()->set_sha256(std::string(32, static_cast<char>('a' + 3 * c + f)));
+      image.mutable_file()->set_bytes(100);
+      image.set_artifact_digest(std::string(32, 'z'));
     }
   }
   const Result<PlannedJob> job = Plan(request);
@@ -118,7 +120,7 @@ TEST(Submission, UploadsAreThoseOfTheJobsFramesAndViews) {
   EXPECT_EQ(job->uploads_from, (ArtifactLocation{"tcp://submitter:7", ""}));
   ASSERT_EQ(job->uploads.size(), 3U);
   ASSERT_EQ(job->uploads[2].size(), 2U);
-  EXPECT_EQ(job->uploads[2][0].picture.sha256[0], 'a' + 7);
+  EXPECT_EQ(job->uploads[2][0].picture.file.sha256[0], 'a' + 7);
   EXPECT_FALSE(job->uploads[2][0].mask.has_value());
   submit.mutable_uploads_from()->set_endpoint("http://submitter");
   EXPECT_FALSE(Plan(request).ok());

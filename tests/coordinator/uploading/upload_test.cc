@@ -10,6 +10,7 @@
 #include "common/digest/sha256.h"
 #include "common/transport/farm_keys.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/artifacts/artifact_digest.h"
 #include "worker/transfer/artifact_client.h"
 
 namespace depthfarm {
@@ -53,13 +54,14 @@ class UploadTest : public testing::Test {
   [[nodiscard]] CoordinatorTarget Ipc() const {
     return {.endpoint = "ipc://" + (folder_.path() / "coordinator").string(), .keys_dir = ""};
   }
-  static Result<std::string> Fetch(TransportContext& context, const CurveKeys& keys, const FileDigest& file,
+  static Result<std::string> Fetch(TransportContext& context, const CurveKeys& keys, const UploadedFile& upload,
                                    const ArtifactLocation& from) {
     FetchOptions options;
     options.silence = std::chrono::milliseconds(1000);
     ArtifactClient client(context, keys, options);
-    return client.Fetch({.key = file.sha256, .stored_bytes = file.bytes, .content_digest = file.sha256},
-                        std::array{from}, {});
+    return client.Fetch(
+        {.key = upload.file.sha256, .stored_bytes = upload.file.bytes, .content_digest = upload.artifact_digest},
+        std::array{from}, {});
   }
 
   testing_support::TemporaryFolder folder_;
@@ -77,16 +79,17 @@ TEST_F(UploadTest, ServesTheFilesOfTheJobAndNoOthers) {
   const UploadSubmission& submission = upload.value()->submission();
   ASSERT_THAT(submission.cameras, SizeIs(3));
   ASSERT_THAT(submission.cameras[1].images, SizeIs(3));
-  EXPECT_EQ(submission.cameras[1].images[0], FileDigest()) << "of no frame of the job";
-  EXPECT_EQ(submission.cameras[1].images[2].sha256, Sha256("picture p12"));
-  EXPECT_EQ(submission.cameras[1].masks[2].sha256, Sha256("mask mask"));
+  EXPECT_EQ(submission.cameras[1].images[0], UploadedFile()) << "of no frame of the job";
+  EXPECT_EQ(submission.cameras[1].images[2].file.sha256, Sha256("picture p12"));
+  EXPECT_EQ(submission.cameras[1].masks[2].file.sha256, Sha256("mask mask"));
   EXPECT_THAT(submission.cameras[2].images, SizeIs(0)) << "no view of the job";
 
   TransportContext context;
   const auto bytes = Fetch(context, {}, submission.cameras[0].images[1], submission.from);
   ASSERT_TRUE(bytes.ok()) << bytes.status().message();
   EXPECT_EQ(*bytes, "picture p01");
-  EXPECT_FALSE(Fetch(context, {}, {Sha256("picture p20"), 11}, submission.from).ok());
+  EXPECT_FALSE(
+      Fetch(context, {}, {{Sha256("picture p20"), 11}, DigestOfArtifact("picture p20")}, submission.from).ok());
 }
 
 TEST_F(UploadTest, AdmitsWorkersAlone) {
@@ -96,7 +99,7 @@ TEST_F(UploadTest, AdmitsWorkersAlone) {
   ASSERT_TRUE(upload.ok()) << upload.status().message();
   const UploadSubmission& submission = upload.value()->submission();
   EXPECT_THAT(submission.from.endpoint, HasSubstr("tcp://127.0.0.1:"));
-  const FileDigest& file = submission.cameras[0].images[1];
+  const UploadedFile& file = submission.cameras[0].images[1];
   TransportContext context;
   EXPECT_EQ(Fetch(context, ReadWorkerKeys(keys).value().own, file, submission.from).value(), "picture p01");
   EXPECT_FALSE(Fetch(context, ReadClientKeys(keys).value().own, file, submission.from).ok());

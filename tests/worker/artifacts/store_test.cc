@@ -9,8 +9,8 @@
 #include <random>
 #include <thread>
 
-#include "common/digest/sha256.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/artifacts/artifact_digest.h"
 #include "worker/artifacts/store_file.h"
 
 namespace depthfarm {
@@ -67,7 +67,7 @@ TEST_F(ArtifactStoreTest, GivesBackWhatWasPut) {
   const std::string artifact("a\0b", 3);
   const Result<ArtifactInfo> put = store_->Put(Key(1), artifact);
   ASSERT_TRUE(put.ok());
-  EXPECT_EQ(*put, (ArtifactInfo{Key(1), 3, Sha256(artifact)}));
+  EXPECT_EQ(*put, (ArtifactInfo{Key(1), 3, DigestOfArtifact(artifact)}));
   EXPECT_EQ(store_->Get(Key(1)).value(), artifact);
   EXPECT_EQ(store_->Find(Key(1)), *put);
   EXPECT_EQ(store_->Get(Key(2)).status().code(), ErrorCode::kUnavailable);
@@ -75,18 +75,18 @@ TEST_F(ArtifactStoreTest, GivesBackWhatWasPut) {
 
 TEST_F(ArtifactStoreTest, KeepsWhatItsCallerHasVerifiedUnderThatDigest) {
   Open(kPlenty);
-  const ArtifactInfo info{Key(1), 3, Sha256("one")};
+  const ArtifactInfo info{Key(1), 3, DigestOfArtifact("one")};
   ASSERT_TRUE(store_->PutVerified(info, "one").ok());
   EXPECT_EQ(store_->Find(Key(1)), info);
   EXPECT_EQ(store_->Get(Key(1)).value(), "one");
   // A caller that was wrong is found out.
-  ASSERT_TRUE(store_->PutVerified({Key(2), 3, Sha256("one")}, "two").ok());
+  ASSERT_TRUE(store_->PutVerified({Key(2), 3, DigestOfArtifact("one")}, "two").ok());
   EXPECT_EQ(store_->Get(Key(2)).status().code(), ErrorCode::kCorrupt);
 }
 
 TEST_F(ArtifactStoreTest, KeepsTheFileOfWhatIsPutAgain) {
   Open(kPlenty);
-  const ArtifactInfo info{Key(1), 3, Sha256("one")};
+  const ArtifactInfo info{Key(1), 3, DigestOfArtifact("one")};
   ASSERT_TRUE(store_->PutVerified(info, "one").ok());
   ASSERT_TRUE(store_->PutVerified(info, "one, which is not read again").ok());
   EXPECT_EQ(store_->Get(Key(1)).value(), "one");

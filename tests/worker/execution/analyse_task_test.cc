@@ -14,6 +14,7 @@
 #include "common/media/grey_picture.h"
 #include "common/media/pfm.h"
 #include "tests/worker/execution/small_job.h"
+#include "worker/artifacts/artifact_digest.h"
 #include "worker/execution/analysis_key.h"
 #include "worker/segmentation/analysis_codec.h"
 
@@ -165,9 +166,11 @@ TEST(AnalyseTask, AnAnalysisIsTheSameWhetherItsPictureIsReadOrFetched) {
   worker.fetcher.stores = {submitter.store.get()};
   TaskSpec uploaded = spec;
   uploaded.picture = "/nowhere/0000.y";
-  uploaded.uploads =
-      UploadedSources{{.picture = {Sha256(bytes), bytes.size()}, .mask = {}, .prior = {}, .prior_confidence = {}},
-                      {"ipc:///submitter", ""}};
+  uploaded.uploads = UploadedSources{{.picture = {{Sha256(bytes), bytes.size()}, DigestOfArtifact(bytes)},
+                                      .mask = {},
+                                      .prior = {},
+                                      .prior_confidence = {}},
+                                     {"ipc:///submitter", ""}};
   const TaskOutcome fetched = worker.Execute(uploaded, job.config);
   ASSERT_TRUE(fetched.status.ok()) << fetched.status.message();
   EXPECT_EQ(fetched.output_key, read.output_key);
@@ -180,6 +183,28 @@ TEST(AnalyseTask, AnAnalysisIsTheSameWhetherItsPictureIsReadOrFetched) {
   const TaskOutcome again = worker.Execute(uploaded, job.config);
   EXPECT_TRUE(again.stats.reused);
   EXPECT_EQ(worker.fetcher.fetches, 1);
+}
+
+TEST(AnalyseTask, AnUploadThatIsAnotherFileThanNamedIsRefused) {
+  SmallJob job;
+  // Served under the name of a picture that others may have: its results would be found by them.
+  const std::string bytes = ReadFileBytes(job.picture(0, 0), 1 << 20).value();
+  const std::string other(bytes.size(), 'x');
+  TestWorker submitter;
+  ASSERT_TRUE(submitter.store->Put(Sha256(bytes), other).ok());
+  TestWorker worker;
+  worker.fetcher.stores = {submitter.store.get()};
+  TaskSpec spec = job.Analyse(0, 0);
+  spec.uploads = UploadedSources{{.picture = {{Sha256(bytes), bytes.size()}, DigestOfArtifact(other)},
+                                  .mask = {},
+                                  .prior = {},
+                                  .prior_confidence = {}},
+                                 {"ipc:///submitter", ""}};
+  for (int time = 0; time < 2; ++time) {  // fetched, then from the store
+    const TaskOutcome outcome = worker.Execute(spec, job.config);
+    EXPECT_EQ(outcome.status.code(), ErrorCode::kCorrupt);
+    EXPECT_THAT(outcome.status.message(), HasSubstr("its SHA-256 is not what the submitter said"));
+  }
 }
 
 }  // namespace

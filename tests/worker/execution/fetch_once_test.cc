@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/digest/sha256.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/artifacts/artifact_digest.h"
 #include "worker/execution/fetch_ahead.h"
 
 namespace depthfarm {
@@ -17,7 +17,7 @@ namespace {
 
 const std::string kBytes = "the artifact";
 
-TaskInput Input() { return {{ArtifactKey{1}, kBytes.size(), Sha256(kBytes)}, InputRole::kLabels, 0, {}}; }
+TaskInput Input() { return {{ArtifactKey{1}, kBytes.size(), DigestOfArtifact(kBytes)}, InputRole::kLabels, 0, {}}; }
 
 // Another worker that takes its time.
 class SlowFetcher : public ArtifactFetcher {

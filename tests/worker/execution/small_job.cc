@@ -5,6 +5,7 @@
 #include "common/digest/sha256.h"
 #include "common/sequence/sequence.h"
 #include "tests/support/plane_scene.h"
+#include "worker/artifacts/artifact_digest.h"
 
 namespace depthfarm {
 namespace {
@@ -21,7 +22,7 @@ Result<std::string> StoreFetcher::Fetch(const TaskInput& input, const std::stop_
   ++fetches;
   for (ArtifactStore* store : stores) {
     Result<std::string> bytes = store->Get(input.artifact.key);
-    if (bytes.ok() && Sha256(*bytes) == input.artifact.content_digest) return bytes;
+    if (bytes.ok() && DigestOfArtifact(*bytes) == input.artifact.content_digest) return bytes;
   }
   return Unavailable("nobody has it");
 }

@@ -172,7 +172,7 @@ TEST_F(WorkerServiceTest, GivesBackATaskThatHasNotBegunAndNoOther) {
   const auto pictures = ServerChannel::Bind(context_, "ipc://" + (folder_.path() / "pictures").string(), {}).value();
   TaskSpec first = job_.Analyse(0, 0);
   first.uploads.emplace();
-  first.uploads->files.picture = {Sha256("the picture"), 11};
+  first.uploads->files.picture = {{Sha256("the picture"), 11}, Sha256("its tree")};
   first.uploads->from.endpoint = pictures->endpoint();
   Grant(11, first, true);
   const Channel* const channels[] = {pictures.get()};

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "worker/artifacts/artifact_digest.h"
+
 namespace depthfarm {
 namespace {
 
@@ -29,8 +31,8 @@ TEST(TrailingDigest, IsThatOfTheWholeHoweverItComes) {
       std::copy(bytes.data() + at, bytes.data() + end, place.data() + at);
       digest->Advance(end);
     }
-    EXPECT_EQ(digest->Wait(kPatience), Sha256(bytes));
-    EXPECT_EQ(digest->Wait(milliseconds(0)), Sha256(bytes)) << "asked again";
+    EXPECT_EQ(digest->Wait(kPatience), DigestOfArtifact(bytes));
+    EXPECT_EQ(digest->Wait(milliseconds(0)), DigestOfArtifact(bytes)) << "asked again";
   }
 }
 
@@ -42,13 +44,13 @@ TEST(TrailingDigest, IsNotThereBeforeTheLastByte) {
   digest->Advance(bytes.size() - 1);
   EXPECT_EQ(digest->Wait(milliseconds(20)), std::nullopt);
   digest->Advance(bytes.size());
-  EXPECT_EQ(digest->Wait(kPatience), Sha256(bytes));
+  EXPECT_EQ(digest->Wait(kPatience), DigestOfArtifact(bytes));
 }
 
 TEST(TrailingDigest, OfNothingIsThereAtOnce) {
   const auto digest = TrailingDigest::Start(nullptr, 0);
   ASSERT_NE(digest, nullptr);
-  EXPECT_EQ(digest->Wait(kPatience), Sha256(""));
+  EXPECT_EQ(digest->Wait(kPatience), DigestOfArtifact(""));
 }
 
 TEST(TrailingDigest, EndsAmidWhatItReads) {

@@ -6,9 +6,9 @@
 #include <random>
 #include <thread>
 
-#include "common/digest/sha256.h"
 #include "common/wire/task_wire.h"
 #include "tests/support/temporary_folder.h"
+#include "worker/artifacts/artifact_digest.h"
 #include "worker/artifacts/store.h"
 #include "worker/transfer/artifact_client.h"
 #include "worker/transfer/artifact_server.h"
@@ -131,7 +131,7 @@ TEST_F(TransferTest, FetchesArtifactsOfAnySize) {
 }
 
 TEST_F(TransferTest, AnEmptyArtifactOfAnotherDigestIsRefusedAtOnce) {
-  const Result<std::string> fetched = Fetch({Key(1), 0, Sha256("something")}, {holder_.location()});
+  const Result<std::string> fetched = Fetch({Key(1), 0, DigestOfArtifact("something")}, {holder_.location()});
   EXPECT_EQ(fetched.status().code(), ErrorCode::kCorrupt);
   EXPECT_THAT(fetched.status().message(), HasSubstr("is empty"));
 }
