@@ -12,7 +12,7 @@ set -euo pipefail
 build_tools=(cmake ninja-build pkg-config protobuf-compiler help2man)
 build_libraries=(
   libeigen3-dev libhwy-dev
-  libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev
+  libopencv-core-dev libopencv-imgproc-dev libopencv-imgcodecs-dev libopenexr-dev
   libzmq3-dev cppzmq-dev
   libprotobuf-dev
   libssl-dev libzstd-dev libdeflate-dev libsqlite3-dev

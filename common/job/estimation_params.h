@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/base/status.h"
+#include "common/sequence/depth_format.h"
 
 namespace depthfarm {
 
@@ -61,6 +62,7 @@ struct EstimationParams {
   int compared = 4;         // views that refinement compares each view with, 1..kMostCompared
   bool confidence = false;  // also write how likely the depth of each pixel is right
   double holes = 0;         // no depth where that is less likely than this; 0..1, less than 1; 0: depth everywhere
+  DepthFormat output_format = DepthFormat::kPng16;  // of depth files
   // Folders that the submitter turns into files of the sequence (common/sequence/guides.h); jobs do not carry them.
   std::string prior;               // of prior depth; empty: none
   std::string mask;                // of foreground masks; "sequence": those that the sequence names; empty: none

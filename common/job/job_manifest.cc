@@ -53,6 +53,9 @@ std::map<std::string, ManifestNumberOrText> ParametersOf(const ResolvedJob& job)
       {"holes", params.holes},
       {"downscale", integer(params.downscale)},
   };
+  // Nothing in depth.json of maps that are as they always were.
+  if (params.output_format != DepthFormat::kPng16)
+    parameters["outputFormat"] = std::string(NameOf(params.output_format));
   for (const JobView& view : job.views) {
     parameters["segments/" + view.camera.name] = integer(view.segments);
     if (view.prior.holds != PriorFormat::Holds::kNothing)
@@ -70,10 +73,14 @@ Status AddFile(const OutputFile& file, const std::string& expected, std::vector<
 
 }  // namespace
 
+std::string DepthFileOf(const ResolvedJob& job, const JobView& view, int in_sequence) {
+  return DepthFileName(view.camera.name, in_sequence, ExtensionOf(job.params.output_format));
+}
+
 std::vector<std::string> FilesOfFrame(const ResolvedJob& job, int frame) {
   const int in_sequence = job.params.first_frame + frame;
   std::vector<std::string> paths;
-  for (const JobView& view : job.views) paths.push_back(DepthFileName(view.camera.name, in_sequence));
+  for (const JobView& view : job.views) paths.push_back(DepthFileOf(job, view, in_sequence));
   if (!job.params.confidence) return paths;
   for (const JobView& view : job.views) paths.push_back(ConfidenceFileName(view.camera.name, in_sequence));
   return paths;
@@ -108,8 +115,7 @@ Result<DepthManifest> ManifestOf(const JobConfig& config, const std::vector<Outp
     for (std::size_t frame = 0; frame < num_frames; ++frame) {
       const int in_sequence = job.params.first_frame + static_cast<int>(frame);
       const std::size_t first_of_frame = frame * num_views * maps;
-      DEPTHFARM_RETURN_IF_ERROR(
-          AddFile(files[first_of_frame + v], DepthFileName(view.camera.name, in_sequence), camera.files));
+      DEPTHFARM_RETURN_IF_ERROR(AddFile(files[first_of_frame + v], DepthFileOf(job, view, in_sequence), camera.files));
       if (job.params.confidence) {
         DEPTHFARM_RETURN_IF_ERROR(AddFile(files[first_of_frame + num_views + v],
                                           ConfidenceFileName(view.camera.name, in_sequence), camera.confidence));

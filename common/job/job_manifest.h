@@ -10,6 +10,9 @@
 
 namespace depthfarm {
 
+// "depth/<camera>/<number>.<extension of the job's format>"; `in_sequence`: the frame's position in the sequence.
+[[nodiscard]] std::string DepthFileOf(const ResolvedJob& job, const JobView& view, int in_sequence);
+
 // The files of a frame of a job that estimates depth, relative to its output folder: the depth of each view, then the
 // confidence of each where it is asked for. Numbers are the frame's position in the sequence, of four digits or more.
 [[nodiscard]] std::vector<std::string> FilesOfFrame(const ResolvedJob& job, int frame);

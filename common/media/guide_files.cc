@@ -7,8 +7,11 @@
 #include <string>
 
 #include "common/image/depth_code.h"
+#include "common/media/depth_file.h"
+#include "common/media/exr.h"
 #include "common/media/grey_picture.h"
 #include "common/media/pfm.h"
+#include "common/media/raw_picture.h"
 
 namespace depthfarm {
 namespace {
@@ -64,20 +67,28 @@ bool IsPfm(std::string_view bytes) { return bytes.starts_with("Pf") || bytes.sta
 
 Result<Grid<float>> Values(std::string_view bytes) {
   if (IsPfm(bytes)) return DecodePfm(bytes);
+  if (IsExr(bytes)) return DecodeExr(bytes);
   DEPTHFARM_ASSIGN_OR_RETURN(const GreyPicture grey, DecodeGrey(bytes));
   Grid<float> values(grey.values.width(), grey.values.height());
   for (std::size_t i = 0; i < values.size(); ++i) values.values()[i] = grey.values.values()[i];
   return values;
 }
 
+// As depth maps of codes are written: PNG, or a raw picture, which says nothing of its size.
+Result<Grid<std::uint16_t>> Codes(std::string_view bytes, int width, int height) {
+  constexpr PictureFormat kRaw{.kind = PictureFormat::Kind::kYuv420, .bits = 16};
+  if (bytes.size() == RawPictureBytes(kRaw, width, height) && !bytes.starts_with("\x89PNG"))
+    return DecodeRawLuma(bytes, kRaw, width, height);
+  return DecodeDepthPng(bytes);
+}
+
 }  // namespace
 
 Result<Grid<float>> DecodePrior(std::string_view bytes, const PriorFormat& format, int width, int height) {
   if (format.holds == Holds::kCodes) {
-    DEPTHFARM_ASSIGN_OR_RETURN(const GreyPicture grey, DecodeGrey(bytes));
-    if (grey.bits != 16) return InvalidArgument("has 8 bits per sample, expected a 16-bit depth map");
     DEPTHFARM_ASSIGN_OR_RETURN(const DepthCode code, DepthCode::Create(format.z_near, format.z_far));
-    DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> codes, SampledAt(grey.values, width, height));
+    DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> stored, Codes(bytes, width, height));
+    DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> codes, SampledAt(stored, width, height));
     Grid<float> inverse(width, height);
     for (std::size_t i = 0; i < codes.size(); ++i)
       inverse.values()[i] = static_cast<float>(code.ToInverseDepth(codes.values()[i]));

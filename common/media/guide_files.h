@@ -16,7 +16,8 @@ namespace depthfarm {
 // that does not fit the file.
 
 // Prior depth as inverse depth, W x H: 1/z, or of kRelativeDepth the values of the file; 0 where it is not known (not
-// finite, not > 0, code 0). `bytes`: PFM or a grey picture; kCodes: a grey picture of 16 bits.
+// finite, not > 0, code 0). `bytes`: PFM, OpenEXR or a grey picture; kCodes: a grey
+// picture of 16 bits, or a raw one of W x H (DepthFormat).
 [[nodiscard]] Result<Grid<float>> DecodePrior(std::string_view bytes, const PriorFormat& format, int width, int height);
 
 // A grey picture, 0..1 of its full range: confidence.

@@ -144,6 +144,18 @@ std::string EncodeRawYuv420(const RgbImage& picture, int bits) {
   return bytes;
 }
 
+std::string EncodeRawLuma16(const Grid<std::uint16_t>& luma) {
+  constexpr int kBits = 16;
+  constexpr double kGrey = 32768;
+  const PictureFormat format = {.kind = PictureFormat::Kind::kYuv420, .bits = kBits, .full_range = true};
+  const std::size_t size = RawPictureBytes(format, luma.width(), luma.height());
+  std::string bytes;
+  bytes.reserve(size);
+  for (const std::uint16_t sample : luma.values()) AppendSample(sample, kBits, bytes);
+  while (bytes.size() < size) AppendSample(kGrey, kBits, bytes);
+  return bytes;
+}
+
 std::string EncodeLimitedYuv420(const YcbcrImage& picture) {
   // Of whole 8-bit units there are few: a table for luma and one for the eightfold mean of chroma.
   const PictureFormat format = {.kind = PictureFormat::Kind::kYuv420};

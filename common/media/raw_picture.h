@@ -32,6 +32,9 @@ namespace depthfarm {
 // The same of a picture in Y'CbCr, 8 bits, limited range (16-235): what players and encoders take YUV for.
 [[nodiscard]] std::string EncodeLimitedYuv420(const YcbcrImage& picture);
 
+// Y samples of 16 bits as stored, in 4:2:0 with grey chroma: how depth maps are kept as video.
+[[nodiscard]] std::string EncodeRawLuma16(const Grid<std::uint16_t>& luma);
+
 // The Y samples alone, as stored, e.g. of depth maps kept as video.
 [[nodiscard]] Result<Grid<std::uint16_t>> DecodeRawLuma(std::string_view bytes, const PictureFormat& format, int width,
                                                         int height);

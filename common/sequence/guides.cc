@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/files/atomic_file.h"
+#include "common/sequence/depth_format.h"
 #include "common/sequence/depth_manifest.h"
 #include "common/sequence/frame_name.h"
 #include "common/sequence/json_fields.h"
@@ -43,6 +44,13 @@ std::string CameraNames(const Sequence& sequence) {
   return names + (sequence.cameras.size() > kMost ? ", ..." : "");
 }
 
+// Files of an output folder are of one format (DepthFormat).
+PriorFormat FormatOf(const DepthManifestCamera& entry) {
+  const auto format = entry.files.empty() ? std::nullopt : DepthFormatOfFile(entry.files.front().path);
+  if (format == DepthFormat::kPfm || format == DepthFormat::kExr) return {.holds = PriorFormat::Holds::kDepth};
+  return {.holds = PriorFormat::Holds::kCodes, .z_near = entry.z_near, .z_far = entry.z_far};
+}
+
 Status AddFromManifest(const fs::path& folder, Sequence& sequence) {
   DEPTHFARM_ASSIGN_OR_RETURN(const DepthManifest manifest, ReadDepthManifest(folder.string()));
   for (SequenceCamera& camera : sequence.cameras) {
@@ -50,7 +58,7 @@ Status AddFromManifest(const fs::path& folder, Sequence& sequence) {
     camera.prior_confidence.assign(camera.images.size(), "");
     for (const DepthManifestCamera& entry : manifest.cameras) {
       if (entry.camera.name != camera.camera.name) continue;
-      camera.prior_format = {.holds = PriorFormat::Holds::kCodes, .z_near = entry.z_near, .z_far = entry.z_far};
+      camera.prior_format = FormatOf(entry);
       for (std::size_t i = 0; i < entry.files.size(); ++i) {
         const std::size_t frame = static_cast<std::size_t>(manifest.first_frame) + i;
         if (frame >= camera.images.size()) break;
@@ -111,8 +119,9 @@ Status AddDescribed(const fs::path& folder, Sequence& sequence) {
         continue;
       }
       const std::string name = camera.camera.name + "/" + FrameName(static_cast<int>(frame));
-      camera.prior[frame] = IfThere(folder / kDepthFolder / (name + ".pfm"));
-      if (camera.prior[frame].empty()) camera.prior[frame] = IfThere(folder / kDepthFolder / (name + ".png"));
+      for (const char* extension : {".pfm", ".exr", ".png"}) {
+        if (camera.prior[frame].empty()) camera.prior[frame] = IfThere(folder / kDepthFolder / (name + extension));
+      }
       camera.prior_confidence[frame] = IfThere(folder / kConfidenceFolder / (name + ".png"));
     }
   }

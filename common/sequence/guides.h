@@ -19,7 +19,7 @@ namespace depthfarm {
 //    "still": true,     optional: the files of frame 0 are those of every frame, e.g. a background plate
 //    "notes": "..."}
 //
-// with depth/<camera>/<frame, 4 digits or more>.pfm or .png (grey; 0 = unknown) and, where there is any,
+// with depth/<camera>/<frame, 4 digits or more>.pfm, .exr or .png (grey; 0 = unknown) and, where there is any,
 // confidence/<camera>/<frame>.png. Maps of another resolution than the pictures are sampled.
 // Errors (kInvalidArgument, naming file, key or camera): neither file is there, or it is wrong; no file for any camera.
 [[nodiscard]] Status AddPriors(const std::string& directory, Sequence& sequence);

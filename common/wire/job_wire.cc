@@ -145,6 +145,7 @@ v1::EstimationParams ToProto(const EstimationParams& params) {
   proto.set_compared(static_cast<std::uint32_t>(params.compared));
   proto.set_confidence(params.confidence);
   proto.set_holes(params.holes);
+  proto.set_output_format(static_cast<v1::DepthFormat>(params.output_format));
   proto.set_downscale(static_cast<std::uint32_t>(params.downscale));
   for (const std::string& view : params.views) proto.add_views(view);
   proto.set_first_frame(static_cast<std::uint32_t>(params.first_frame));
@@ -195,6 +196,10 @@ Result<EstimationParams> FromProto(const v1::EstimationParams& proto) {
   DEPTHFARM_RETURN_IF_ERROR(read("compared", proto.compared(), params.compared));
   params.confidence = proto.confidence();
   params.holes = proto.holes();
+  if (!v1::DepthFormat_IsValid(proto.output_format()))
+    return InvalidArgument("output-format is " + std::to_string(proto.output_format()) + ", expected " +
+                           std::string(DepthFormatNames()));
+  params.output_format = static_cast<DepthFormat>(proto.output_format());
   DEPTHFARM_RETURN_IF_ERROR(read("downscale", proto.downscale(), params.downscale));
   DEPTHFARM_RETURN_IF_ERROR(CheckCount("views", proto.views_size(), kMaxViews));
   for (const std::string& view : proto.views()) {

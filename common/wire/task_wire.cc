@@ -251,9 +251,9 @@ Result<OutputFile> FromProto(const v1::OutputFile& proto) {
   OutputFile file;
   const std::string& path = proto.path();
   const auto slashes = std::count(path.begin(), path.end(), '/');
-  if (slashes < 1 || slashes > 2 || !path.ends_with(".png")) {
+  if (slashes < 1 || slashes > 2 || !DepthFormatOfFile(path)) {
     return InvalidArgument("output file is '" + path.substr(0, kMaxNameBytes) +
-                           "', expected views/NUMBER.png or MAP/CAMERA/NUMBER.png");
+                           "', expected views/NUMBER.png or MAP/CAMERA/NUMBER and .png, .pfm, .exr or .yuv");
   }
   std::istringstream names(path);
   for (std::string name; std::getline(names, name, '/');) DEPTHFARM_RETURN_IF_ERROR(CheckFileName("output file", name));

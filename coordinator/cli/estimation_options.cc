@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "common/files/atomic_file.h"
@@ -101,6 +102,13 @@ Status ParsePartition(std::string_view text, Partition& partition) {
   } else {
     return Refuse("partition", text, "blocks or interleaved");
   }
+  return {};
+}
+
+Status ParseOutputFormat(std::string_view text, EstimationParams& params) {
+  const std::optional<DepthFormat> format = DepthFormatOfName(text);
+  if (!format) return Refuse("output-format", text, DepthFormatNames());
+  params.output_format = *format;
   return {};
 }
 
@@ -214,6 +222,10 @@ constexpr auto kOptions = std::to_array<EstimationOption>({
      }},
     {"holes", "C", "Leave no depth where that is less likely than C, 0 to less than 1; default 0: depth everywhere",
      [](std::string_view text, EstimationParams& params) { return ParseReal("holes", text, params.holes); }},
+    {"output-format", "FORMAT",
+     "Depth files: png16: 16-bit codes (default); pfm, exr: depth in the sequence's unit; yuv420p16: codes as raw "
+     "video",
+     ParseOutputFormat},
     {"prior", "DIR", "Depth from elsewhere (a scanner, a network, another run), believed where pictures do not tell",
      [](std::string_view text, EstimationParams& params) { return ParseFolder("prior", text, params.prior); }},
     {"mask", "DIR|sequence", "Foreground masks, DIR/<camera>/<frame>.png, or those that SEQUENCE names",

@@ -84,6 +84,7 @@ ArtifactKey FilesPart(const JobConfig& config) {
   const EstimationParams& params = config.resolved.params;
   KeyBuilder builder("files");
   builder.Add(params.confidence ? 1 : 0).Add(params.assesses() ? params.holes : 0.0);
+  builder.Add(static_cast<int>(params.output_format));
   for (const JobView& view : config.resolved.views) builder.Add(view.camera.name);
   return builder.Build();
 }

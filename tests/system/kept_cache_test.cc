@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "common/files/atomic_file.h"
 #include "tests/system/support.h"
 
 namespace depthfarm::system_test {
@@ -76,6 +77,34 @@ TEST_F(KeptCache, IsTheUsersAndSparesTheSameWork) {
   EXPECT_EQ(TasksOf(anew), (Counts{TasksOf(longer).total, 0})) << anew.output;
   for (const char* kept : {"longer", "again"})
     EXPECT_THAT(Differences(DepthOf(folder_ / "anew"), DepthOf(folder_ / kept)), IsEmpty()) << kept;
+}
+
+TEST_F(KeptCache, AnotherOutputFormatComputesNothingAnewAndLeavesNoMix) {
+  const Outcome png = Run("png", {});
+  ASSERT_EQ(png.exit_code, 0) << png.output;
+  for (const char* format : {"exr", "pfm", "yuv420p16"}) {
+    const Outcome run = Run("out", {"--output-format", format});
+    ASSERT_EQ(run.exit_code, 0) << run.output;
+    EXPECT_EQ(TasksOf(run), (Counts{TasksOf(png).total, TasksOf(png).total})) << run.output;
+    // The same depth: as a video of codes it is the same file.
+    for (const char* of : {"png", "out"})
+      ASSERT_EQ(Depthfarm({"export", "yuv", folder_ / of, "-o", folder_ / (std::string(of) + "-yuv")}).exit_code, 0);
+    for (const char* file : {"cam0.yuv", "cam1.yuv", "cameras.json"}) {
+      EXPECT_TRUE(ReadFileBytes(folder_ / ("png-yuv/" + std::string(file)), 1 << 24).value() ==
+                  ReadFileBytes(folder_ / ("out-yuv/" + std::string(file)), 1 << 24).value())
+          << format << " " << file;
+    }
+    EXPECT_EQ(Depthfarm({"verify", folder_ / "out"}).exit_code, 0);
+    const std::string extension = "." + std::string(format).substr(0, 3);
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder_ / "out/depth")) {
+      if (entry.is_regular_file()) {
+        EXPECT_EQ(entry.path().extension(), extension) << entry.path();
+      }
+    }
+  }
+  const Outcome wrong = Run("out", {"--output-format", "png"});
+  EXPECT_EQ(wrong.exit_code, 2) << wrong.output;
+  EXPECT_THAT(wrong.output, HasSubstr("output-format is 'png', expected png16, pfm, exr or yuv420p16"));
 }
 
 TEST_F(KeptCache, IsAnotherFolderOnRequest) {

@@ -10,6 +10,7 @@
 #include "common/base/parallel.h"
 #include "common/digest/sha256.h"
 #include "common/files/file_bundle.h"
+#include "common/job/job_manifest.h"
 #include "common/media/colour_map.h"
 #include "common/media/depth_file.h"
 #include "common/sequence/output_layout.h"
@@ -60,13 +61,14 @@ Status TaskExecutor::EmitRefined(const Task& task, MadeFiles& made) const {
         return InvalidArgument("camera '" + camera.name + "' has no confidence map of its size");
       MakeHoles(*confidence[v], job.params.holes, codes);
     }
-    return EmitMap(task, camera.name, DepthFileName(camera.name, task.SequenceFrame()), codes, of_view);
+    return EmitDepth(task, job.views[v], codes, of_view);
   };
   DEPTHFARM_RETURN_IF_ERROR(EmitViews(task, emit_depth, made));
   if (!job.params.confidence) return {};
   const auto emit_confidence = [&](std::size_t v, MadeFiles& of_view) {
     const std::string& camera = job.views[v].camera.name;
-    return EmitMap(task, camera, ConfidenceFileName(camera, task.SequenceFrame()), confidence[v]->codes, of_view);
+    return EmitMap(task, camera, ConfidenceFileName(camera, task.SequenceFrame()), EncodeDepthPng(confidence[v]->codes),
+                   of_view);
   };
   return EmitViews(task, emit_confidence, made);
 }
@@ -80,18 +82,25 @@ Status TaskExecutor::EmitLabels(const Task& task, MadeFiles& made) const {
   const auto emit_depth = [&](std::size_t v, MadeFiles& of_view) {
     const Grid<std::uint16_t> codes =
         DepthCodes(job, static_cast<int>(v), analysis[v]->segments.labels, labels[0]->views[v]);
-    const std::string& camera = job.views[v].camera.name;
-    return EmitMap(task, camera, DepthFileName(camera, task.SequenceFrame()), codes, of_view);
+    return EmitDepth(task, job.views[v], codes, of_view);
   };
   return EmitViews(task, emit_depth, made);
 }
 
+Status TaskExecutor::EmitDepth(const Task& task, const JobView& view, const Grid<std::uint16_t>& codes,
+                               MadeFiles& made) {
+  const std::string& camera = view.camera.name;
+  const Result<DepthCode> code = DepthCode::Create(view.own_range.z_near, view.own_range.z_far);
+  if (!code.ok()) return code.status().WithContext("camera '" + camera + "'");
+  return EmitMap(task, camera, DepthFileOf(task.job(), view, task.SequenceFrame()),
+                 EncodeDepthFile(codes, *code, task.job().params.output_format), made);
+}
+
 Status TaskExecutor::EmitMap(const Task& task, const std::string& camera, const std::string& path,
-                             const Grid<std::uint16_t>& codes, MadeFiles& made) {
+                             Result<std::string> bytes, MadeFiles& made) {
   if (task.stop.stop_requested()) return Cancelled();
-  Result<std::string> png = EncodeDepthPng(codes);
-  if (!png.ok()) return png.status().WithContext("camera '" + camera + "'");
-  return Stage(task, path, std::move(*png), made);
+  if (!bytes.ok()) return bytes.status().WithContext("camera '" + camera + "'");
+  return Stage(task, path, std::move(*bytes), made);
 }
 
 Status TaskExecutor::Stage(const Task& task, std::string path, std::string bytes, MadeFiles& made) {

@@ -91,9 +91,12 @@ class TaskExecutor {
   [[nodiscard]] Status EmitViews(const Task& task, const EmitOne& emit, MadeFiles& made) const;
   // Writes a file of the attempt, or keeps it.
   [[nodiscard]] static Status Stage(const Task& task, std::string path, std::string bytes, MadeFiles& made);
-  // A map of a camera as a 16-bit PNG.
+  // A depth map, as its job wants depth to be written.
+  [[nodiscard]] static Status EmitDepth(const Task& task, const JobView& view, const Grid<std::uint16_t>& codes,
+                                        MadeFiles& made);
+  // An encoded map of a camera.
   [[nodiscard]] static Status EmitMap(const Task& task, const std::string& camera, const std::string& path,
-                                      const Grid<std::uint16_t>& codes, MadeFiles& made);
+                                      Result<std::string> bytes, MadeFiles& made);
   // What the task is to make, if it is here already and its file is whole; nothing otherwise.
   template <typename T>
   [[nodiscard]] std::shared_ptr<const T> FindMade(const Task& task, const ArtifactKey& key, TaskOutcome& outcome);

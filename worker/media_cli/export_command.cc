@@ -15,6 +15,7 @@
 #include "common/image/picture.h"
 #include "common/media/depth_file.h"
 #include "common/media/pfm.h"
+#include "common/media/raw_picture.h"
 #include "common/sequence/camera_fields.h"
 #include "common/sequence/depth_manifest.h"
 #include "worker/media_cli/picture_sink.h"
@@ -26,7 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint16_t kNoChroma = 32768;
 constexpr double kCertain = 65535;
 
 struct Frames {
@@ -73,19 +73,13 @@ Status ExportPfm(const ExportCommandOptions& options, const DepthManifest& manif
   return {};
 }
 
-void AppendSample(std::uint16_t value, std::string& bytes) {
-  bytes.push_back(static_cast<char>(value & 0xFFU));
-  bytes.push_back(static_cast<char>(value >> 8U));
-}
-
 // The videos, and of what cameras and depth they are: codes alone say nothing.
 Status ExportYuv(const ExportCommandOptions& options, const DepthManifest& manifest, const Frames& frames) {
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   for (const DepthManifestCamera& camera : manifest.cameras) {
     const int width = camera.camera.width;
     const int height = camera.camera.height;
-    std::string chroma;
-    for (int i = 0; i < 2 * ((width + 1) / 2) * ((height + 1) / 2); ++i) AppendSample(kNoChroma, chroma);
+    DEPTHFARM_ASSIGN_OR_RETURN(const DepthCode code, DepthCode::Create(camera.z_near, camera.z_far));
     const std::string name = camera.camera.name + ".yuv";
     DEPTHFARM_ASSIGN_OR_RETURN(const std::unique_ptr<PictureSink> video,
                                OpenPictureSink((fs::path(options.output) / name).string(), {}));
@@ -93,10 +87,8 @@ Status ExportYuv(const ExportCommandOptions& options, const DepthManifest& manif
       DEPTHFARM_RETURN_IF_ERROR(CheckInterrupted(options));
       const auto position = static_cast<std::size_t>(frame - manifest.first_frame);
       const std::string file = (fs::path(options.depth_dir) / camera.files[position].path).string();
-      DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> codes, ReadCodesFile(file, width, height));
-      std::string picture;
-      for (const std::uint16_t code : codes.values()) AppendSample(code, picture);
-      DEPTHFARM_RETURN_IF_ERROR(video->Write(frame, picture + chroma));
+      DEPTHFARM_ASSIGN_OR_RETURN(const Grid<std::uint16_t> codes, ReadDepthCodes(file, width, height, code));
+      DEPTHFARM_RETURN_IF_ERROR(video->Write(frame, EncodeRawLuma16(codes)));
     }
     DEPTHFARM_RETURN_IF_ERROR(video->Finish());
     nlohmann::ordered_json entry = CameraFieldsJson(camera.camera);

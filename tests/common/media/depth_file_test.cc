@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "common/media/grey_picture.h"
+#include "common/media/pfm.h"
 #include "tests/support/temporary_folder.h"
 
 namespace depthfarm {
@@ -62,6 +65,55 @@ TEST(DepthFile, IsReadThroughTheManifestsCamera) {
   EXPECT_THAT(ReadDepthOf(directory, camera, 1).status().message(), HasSubstr("camera 'a' has 1 depth maps"));
   camera.camera.height = 2;
   EXPECT_THAT(ReadDepthOf(directory, camera, 0).status().message(), HasSubstr("2x1 pixels, expected 2x2"));
+}
+
+TEST(DepthFile, EveryFormatHoldsTheDepthOfTheCodes) {
+  const TemporaryFolder folder;
+  const DepthCode code = *DepthCode::Create(2, 80);
+  for (const DepthFormat format :
+       {DepthFormat::kPng16, DepthFormat::kPfm, DepthFormat::kExr, DepthFormat::kYuv420p16}) {
+    SCOPED_TRACE(NameOf(format));
+    const auto bytes = EncodeDepthFile(EveryCode(), code, format);
+    ASSERT_TRUE(bytes.ok()) << bytes.status().message();
+    EXPECT_TRUE(*bytes == *EncodeDepthFile(EveryCode(), code, format));
+    const std::string name = "map." + ExtensionOf(format);
+    folder.Write(name, *bytes);
+    const std::string path = (folder.path() / name).string();
+    const auto depth = ReadDepthFile(path, 512, 128, code);
+    ASSERT_TRUE(depth.ok()) << depth.status().message();
+    EXPECT_TRUE(*depth == DecodeDepth(EveryCode(), code));
+    const auto codes = ReadDepthCodes(path, 512, 128, code);
+    ASSERT_TRUE(codes.ok()) << codes.status().message();
+    EXPECT_TRUE(*codes == EveryCode()) << "floats are finer than a step of codes";
+    const Status other_size = ReadDepthFile(path, 511, 128, code).status();
+    EXPECT_EQ(other_size.code(), ErrorCode::kInvalidArgument);
+    EXPECT_THAT(other_size.message(), HasSubstr(path));
+    folder.Write(name, bytes->substr(0, bytes->size() / 2));
+    EXPECT_THAT(ReadDepthFile(path, 512, 128, code).status().message(), HasSubstr(path));
+  }
+}
+
+TEST(DepthFile, RawCodesAreLumaOfAGreyPicture) {
+  Grid<std::uint16_t> codes(3, 1);
+  codes.values() = {1, 0x1234, 65535};
+  const std::string bytes = *EncodeDepthFile(codes, *DepthCode::Create(1, 2), DepthFormat::kYuv420p16);
+  EXPECT_EQ(bytes, std::string("\x01\x00\x34\x12\xff\xff", 6) + std::string("\x00\x80\x00\x80\x00\x80\x00\x80", 8));
+}
+
+TEST(DepthFile, WhatIsNoDepthInMetricFilesIsNoneHere) {
+  const TemporaryFolder folder;
+  Grid<float> values(5, 1);
+  const float infinity = std::numeric_limits<float>::infinity();
+  values.values() = {2, -1, 0, infinity, std::numeric_limits<float>::quiet_NaN()};
+  folder.Write("map.pfm", EncodePfm(values));
+  const auto depth = ReadDepthFile((folder.path() / "map.pfm").string(), 5, 1, *DepthCode::Create(1, 4));
+  ASSERT_TRUE(depth.ok()) << depth.status().message();
+  EXPECT_THAT(depth->values(), ::testing::ElementsAre(2.0F, 0.0F, 0.0F, 0.0F, 0.0F));
+}
+
+TEST(DepthFile, AnUnknownEndingIsExplained) {
+  EXPECT_THAT(ReadDepthFile("/there/map.tif", 1, 1, *DepthCode::Create(1, 2)).status().message(),
+              HasSubstr("/there/map.tif: expected a depth map, .png, .pfm, .exr or .yuv"));
 }
 
 TEST(DepthFile, EightBitsAreRefused) {

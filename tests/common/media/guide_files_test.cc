@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "common/image/depth_code.h"
+#include "common/media/depth_file.h"
+#include "common/media/exr.h"
 #include "common/media/grey_picture.h"
 #include "common/media/pfm.h"
 
@@ -52,6 +54,22 @@ TEST(DecodePrior, CodesAreThoseOfOurOutput) {
   EXPECT_NEAR(prior->values()[2], 0.3, 1e-5);
   const std::string eight_bits = *EncodeGreyPng(Map<std::uint8_t>(3, 1, {0, 1, 2}));
   EXPECT_THAT(DecodePrior(eight_bits, format, 3, 1).status().message(), HasSubstr("16-bit"));
+}
+
+TEST(DecodePrior, RawCodesAreThoseOfAPictureOfItsSize) {
+  const DepthCode code = DepthCode::Create(2, 10).value();
+  const Grid<std::uint16_t> codes = Map<std::uint16_t>(3, 1, {0, 1, 65535});
+  const std::string raw = *EncodeDepthFile(codes, code, DepthFormat::kYuv420p16);
+  const PriorFormat format{.holds = Holds::kCodes, .unit = 1, .z_near = 2, .z_far = 10};
+  const auto prior = DecodePrior(raw, format, 3, 1);
+  ASSERT_TRUE(prior.ok()) << prior.status().message();
+  EXPECT_THAT(prior->values(), ElementsAre(0.0F, 0.1F, 0.5F));
+  EXPECT_EQ(DecodePrior(raw, format, 6, 2).status().code(), ErrorCode::kInvalidArgument);
+}
+
+TEST(DecodePrior, OpenExrIsReadAsOtherMapsOfValues) {
+  const std::string exr = *EncodeExr(Map<float>(2, 1, {4, 0}));
+  EXPECT_THAT(DecodePrior(exr, {.holds = Holds::kDepth, .unit = 0.5}, 2, 1)->values(), ElementsAre(0.5F, 0.0F));
 }
 
 TEST(DecodePrior, OtherSizesAreSampledAndOtherProportionsRefused) {

@@ -95,6 +95,14 @@ TEST_F(Guides, AnOutputFolderIsAPrior) {
   EXPECT_THAT(sequence.cameras[1].prior, ElementsAre("", file, ""));
   EXPECT_THAT(sequence.cameras[1].prior_confidence, ElementsAre("", confidence, ""));
   EXPECT_EQ(sequence.cameras[1].prior_format, (PriorFormat{PriorFormat::Holds::kCodes, 1, 2, 9}));
+
+  // A folder of metric maps holds depth.
+  const std::string metric = Write("depth/b/0001.exr");
+  manifest.cameras[0].files = {{DepthFileName("b", 1, "exr"), digest}};
+  ASSERT_TRUE(WriteDepthManifest(folder(), manifest).ok());
+  ASSERT_TRUE(AddPriors(folder(), sequence).ok());
+  EXPECT_THAT(sequence.cameras[1].prior, ElementsAre("", metric, ""));
+  EXPECT_EQ(sequence.cameras[1].prior_format, PriorFormat{.holds = PriorFormat::Holds::kDepth});
 }
 
 TEST_F(Guides, WrongPriorsAreExplained) {

@@ -87,6 +87,7 @@ EstimationParams TestParams() {
   params.neighbours = 1;
   params.refine_rounds = 7;
   params.confidence = true;
+  params.output_format = DepthFormat::kExr;
   params.holes = 0.25;
   params.downscale = 2;
   params.views = {"cam0", "cam2"};
@@ -237,6 +238,7 @@ TEST(ParamsWire, HostileValuesAreRefused) {
   EXPECT_TRUE(refused([](auto& p) { p.clear_search(); }));
   EXPECT_TRUE(refused([](auto& p) { p.clear_compared(); }));
   EXPECT_TRUE(refused([](auto& p) { p.set_choice_rounds(101); }));
+  EXPECT_TRUE(refused([](auto& p) { p.set_output_format(static_cast<v1::DepthFormat>(4)); }));
   EXPECT_TRUE(refused([](auto& p) { p.clear_segment_pixels(); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("../x"); }));
   EXPECT_TRUE(refused([](auto& p) { p.add_views("cam0"); }));

@@ -29,7 +29,8 @@ TaskSpec CommitSpec() {
   TaskSpec spec;
   spec.id = {JobId(3), 12, TaskKind::kCommit, 0, 0};
   spec.staging = "f12-a2-l345";
-  spec.files = {{"depth/cam0/0012.png", Digest(6), 1000}, {"views/0012.png", Digest(7), 1001}};
+  spec.files = {
+      {"depth/cam0/0012.png", Digest(6), 1000}, {"views/0012.png", Digest(7), 1001}, {"depth/c/1.exr", Digest(8), 9}};
   return spec;
 }
 

@@ -176,6 +176,9 @@ TEST(ConfidencePlan, IsEmittedBesideTheDepthOrMakesHolesInIt) {
   EXPECT_THAT(JobPlan(job).OutputPaths(0),
               testing::ElementsAre("depth/cam0/0000.png", "depth/cam1/0000.png", "confidence/cam0/0000.png",
                                    "confidence/cam1/0000.png"));
+  job.config.resolved.params.output_format = DepthFormat::kExr;
+  EXPECT_EQ(JobPlan(job).OutputPaths(0)[1], "depth/cam1/0000.exr");
+  EXPECT_EQ(JobPlan(job).OutputPaths(0)[2], "confidence/cam0/0000.png");
   job.config.resolved.params.confidence = false;
   EXPECT_EQ(inputs().size(), 2U);
   job.config.resolved.params.holes = 0.5;

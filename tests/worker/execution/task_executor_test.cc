@@ -154,6 +154,32 @@ TEST(TaskExecutor, ConfidenceIsWrittenBesideTheSameDepthOrMakesHolesInIt) {
   EXPECT_FALSE(with_holes.contains("confidence/" + manifest.cameras[0].camera.name + "/0005.png"));
 }
 
+TEST(TaskExecutor, TheSameDepthIsWrittenInAnyFormat) {
+  SmallJob png;
+  TestWorker first;
+  ASSERT_TRUE(png.RunOn({&first}).ok());
+  const DepthManifest expected = ReadDepthManifest(png.output().string()).value();
+  for (const DepthFormat format : {DepthFormat::kPfm, DepthFormat::kExr, DepthFormat::kYuv420p16}) {
+    SCOPED_TRACE(NameOf(format));
+    SmallJob job;
+    job.config.resolved.params.output_format = format;
+    TestWorker worker;
+    const Status status = job.RunOn({&worker});
+    ASSERT_TRUE(status.ok()) << status.message();
+    const DepthManifest manifest = ReadDepthManifest(job.output().string()).value();
+    EXPECT_EQ(std::get<std::string>(manifest.parameters.at("outputFormat")), NameOf(format));
+    ASSERT_EQ(manifest.cameras.size(), expected.cameras.size());
+    for (std::size_t v = 0; v < manifest.cameras.size(); ++v) {
+      const DepthManifestCamera& camera = manifest.cameras[v];
+      EXPECT_EQ(camera.files[1].path, "depth/" + camera.camera.name + "/0006." + ExtensionOf(format));
+      for (std::size_t frame = 0; frame < 2; ++frame) {
+        EXPECT_TRUE(ReadDepthOf(job.output().string(), camera, frame).value() ==
+                    ReadDepthOf(png.output().string(), expected.cameras[v], frame).value());
+      }
+    }
+  }
+}
+
 TEST(TaskExecutor, MeasuresWhatATaskCost) {
   SmallJob job;
   TestWorker worker;
