@@ -11,6 +11,7 @@
 #include "common/files/atomic_file.h"
 #include "common/files/file_bundle.h"
 #include "common/media/depth_file.h"
+#include "common/media/exr.h"
 #include "common/media/grey_picture.h"
 #include "common/media/pfm.h"
 #include "common/media/raw_picture.h"
@@ -155,6 +156,7 @@ void AddPictures(Seeds& seeds) {
   seeds["image_file/small.ppm"] = "P6 16 12 255\n" + std::string(std::size_t{3} * kWidth * kHeight, '\x7b');
   seeds["image_file/small.pgm"] = "P5 16 12 65535\n" + std::string(std::size_t{2} * kWidth * kHeight, '\x7b');
   seeds["pfm/little"] = EncodePfm(depth);
+  seeds["exr/depth"] = EncodeExr(depth).value();
   seeds["pfm/big"] = "Pf\n4 3\n1.0\n" + std::string(std::size_t{4} * 12, '\x3f');
   // Format, width - 1, height - 1 and downscale of the target, then samples.
   const std::string size = {kWidth - 1, kHeight - 1};
