@@ -1,6 +1,7 @@
 #include "coordinator/planning/remaining_time.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 namespace depthfarm {
@@ -79,6 +80,16 @@ RemainingTime::LinksOfTypes RemainingTime::LinksOfGop(int gop) const {
   for (double& link : seconds[kIFrame]) link *= i_frames;
   for (double& link : seconds[kPFrame]) link *= FramesOfGop(gop) - i_frames;
   return seconds;
+}
+
+double RemainingTime::SecondsLeftOf(int gop) const {
+  const auto sum = [](const LinksOfTypes& types) {
+    double seconds = 0;
+    for (const Links& links : types) seconds = std::accumulate(links.begin(), links.end(), seconds);
+    return seconds;
+  };
+  const auto done = open_gops_.find(gop);
+  return std::max(0.0, sum(LinksOfGop(gop)) - (done == open_gops_.end() ? 0 : sum(done->second)));
 }
 
 double RemainingTime::Cost(const TaskId& id) const { return costs_.Of(id).seconds + kGrantSeconds; }

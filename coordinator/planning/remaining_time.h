@@ -33,6 +33,9 @@ class RemainingTime {
   void Close(int gop);
   void OpenAgain(int gop);
 
+  // Predicted seconds of what is left of a GOP that is open, of one slot.
+  [[nodiscard]] double SecondsLeftOf(int gop) const;
+
   // How long such a task is expected to take a slot; nothing while fewer than three of its kind and type of frame were
   // measured.
   [[nodiscard]] std::optional<double> SecondsOf(const TaskId& id) const;

@@ -21,7 +21,8 @@ struct TaskCandidate {
   std::map<WorkerId, std::uint64_t> local_bytes;  // how much of its inputs a worker holds
   // Of the free ones: not large enough, held for another task; or it failed there, if there are others.
   std::set<WorkerId> avoid = {};
-  std::set<WorkerId> full = {};  // large enough, but not beside the tasks it has
+  std::set<WorkerId> full = {};   // large enough, but not beside the tasks it has
+  std::uint64_t input_bytes = 0;  // of all of its inputs
 };
 
 struct Placement {

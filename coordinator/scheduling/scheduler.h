@@ -175,13 +175,17 @@ class Scheduler {
   // Work: of the free workers alone, unless one of them is too small or the task failed before.
   [[nodiscard]] TaskCandidate CandidateOf(JobRecord& job, const TaskId& task,
                                           const std::vector<WorkerId>& free_workers) const;
+  // Marks workers that are not at home with the GOP of the task as ones to avoid, where they would read longer than
+  // their help is worth and the home is at work on the GOP.
+  void LeaveToHome(const JobRecord& job, const std::vector<WorkerId>& free_workers, TaskCandidate& candidate) const;
   [[nodiscard]] std::vector<WorkerId> WhoTakes(const JobRecord& job, const std::vector<WorkerId>& free_workers) const;
   // A task that was passed over because large workers lack the memory just now: one of them is held until it has it.
   void HoldFor(const TaskCandidate& candidate, const std::vector<WorkerId>& takers);
   void EndHolds();
   // Grants a task of the job: of those that end a frame, else of a GOP that a free worker is at home with, else of one
-  // that has no home, else any.
-  [[nodiscard]] bool AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers);
+  // that has no home, else any. `ahead`: behind what the workers compute; of the last kind only to those that have no
+  // GOP of the job, since others have work of their own by then.
+  [[nodiscard]] bool AssignOneOf(JobRecord& job, bool ahead, std::vector<WorkerId>& free_workers);
   // Grants the most urgent of these tasks that one of the takers can have. Where none is granted and `hold`, workers
   // are held for those that lack memory.
   [[nodiscard]] bool AssignAmong(JobRecord& job, const ReadyRange& tasks, const std::vector<WorkerId>& takers,
@@ -209,7 +213,7 @@ class Scheduler {
   [[nodiscard]] std::vector<WorkerId> WorkersWith(WorkerTable::Room room) const;
   [[nodiscard]] std::size_t NumReady() const;
   // Grants one task of the job that is next to one of the workers, who then is no longer among them.
-  [[nodiscard]] bool AssignNext(std::vector<WorkerId>& free_workers);
+  [[nodiscard]] bool AssignNext(bool ahead, std::vector<WorkerId>& free_workers);
   [[nodiscard]] bool HasLeases(JobId id) const;
   // Of the slots that take the job, shared with the jobs that are not behind it.
   [[nodiscard]] double SlotsOf(JobId id, const JobRecord& job) const;

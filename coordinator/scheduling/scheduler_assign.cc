@@ -7,6 +7,13 @@
 #include "coordinator/scheduling/scheduler.h"
 
 namespace depthfarm {
+namespace {
+
+// A GOP's seconds that are left, for each that a helper reads before its first task: it reads as much for others, and
+// what it makes is read at home.
+constexpr double kLeftForEachRead = 6;
+
+}  // namespace
 
 std::vector<WorkerId> Scheduler::WorkersWith(WorkerTable::Room room) const {
   std::vector<std::pair<TimePoint, WorkerId>> free;
@@ -24,14 +31,14 @@ std::vector<WorkerId> Scheduler::WorkersWith(WorkerTable::Room room) const {
 void Scheduler::Assign() {
   EndHolds();
   std::vector<WorkerId> free_workers = WorkersWith(WorkerTable::Room::kSlot);
-  while (!free_workers.empty() && AssignNext(free_workers)) {
+  while (!free_workers.empty() && AssignNext(false, free_workers)) {
   }
   if (!free_workers.empty()) Rebalance(std::move(free_workers));
   // Ahead only while enough is left for whoever is free next: a task that waits behind another one would end later than
   // on a worker that idles meanwhile.
   std::vector<WorkerId> fetching = WorkersWith(WorkerTable::Room::kAhead);
   const std::size_t reserve = workers_.num_slots();
-  while (!fetching.empty() && NumReady() > reserve && AssignNext(fetching)) {
+  while (!fetching.empty() && NumReady() > reserve && AssignNext(true, fetching)) {
   }
 }
 
@@ -41,9 +48,9 @@ std::size_t Scheduler::NumReady() const {
   return ready;
 }
 
-bool Scheduler::AssignNext(std::vector<WorkerId>& free_workers) {
+bool Scheduler::AssignNext(bool ahead, std::vector<WorkerId>& free_workers) {
   const std::vector<JobId> order = JobsInFairOrder();
-  return std::ranges::any_of(order, [&](JobId id) { return AssignOneOf(jobs_.at(id), free_workers); });
+  return std::ranges::any_of(order, [&](JobId id) { return AssignOneOf(jobs_.at(id), ahead, free_workers); });
 }
 
 std::vector<JobId> Scheduler::JobsInFairOrder() const {
@@ -78,8 +85,11 @@ void Scheduler::AddHolders(const ArtifactInfo& artifact, const std::vector<Worke
 
 TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task,
                                      const std::vector<WorkerId>& free_workers) const {
-  TaskCandidate candidate{task, {}, {}};
-  for (const ArtifactInfo& input : job.progress->InputsOf(task)) AddHolders(input, free_workers, candidate);
+  TaskCandidate candidate{.task = task, .local_bytes = {}};
+  for (const ArtifactInfo& input : job.progress->InputsOf(task)) {
+    AddHolders(input, free_workers, candidate);
+    candidate.input_bytes += input.stored_bytes;
+  }
   if (const std::optional<ArtifactInfo> known = KnownOf(job, task)) AddHolders(*known, free_workers, candidate);
   const std::set<WorkerId>& failed_on = job.progress->Find(task)->failed_on;
   const bool alone = IsTriedAlone(*job.progress->Find(task));
@@ -111,6 +121,30 @@ TaskCandidate Scheduler::CandidateOf(JobRecord& job, const TaskId& task,
   return candidate;
 }
 
+void Scheduler::LeaveToHome(const JobRecord& job, const std::vector<WorkerId>& free_workers,
+                            TaskCandidate& candidate) const {
+  const TaskId& task = candidate.task;
+  if (EndsAFrameOrJob(task.kind)) return;
+  const int gop = job.progress->plan().GopOf(task.frame);
+  const std::optional<WorkerId> home = job.homes.HomeOf(gop);
+  const Worker* const at_home = home ? workers_.Find(*home) : nullptr;
+  // One that does something else meanwhile would let the GOP wait.
+  const auto is_of_gop = [&](LeaseId id) {
+    const TaskId& leased = workers_.leases().at(id).task;
+    return leased.job == task.job && job.progress->plan().GopOf(leased.frame) == gop;
+  };
+  if (at_home == nullptr || std::ranges::none_of(at_home->leases, is_of_gop)) return;
+  const double worth = job.progress->remaining().SecondsLeftOf(gop) / kLeftForEachRead;
+  for (const WorkerId worker : free_workers) {
+    if (worker == *home) continue;
+    const auto held = candidate.local_bytes.find(worker);
+    const std::uint64_t there = held == candidate.local_bytes.end() ? 0 : held->second;
+    // More may be there: what such a task made when it was done before.
+    const std::uint64_t missing = candidate.input_bytes - std::min(candidate.input_bytes, there);
+    if (CostModel::SecondsToRead(missing) > worth) candidate.avoid.insert(worker);
+  }
+}
+
 std::vector<WorkerId> Scheduler::WhoTakes(const JobRecord& job, const std::vector<WorkerId>& free_workers) const {
   std::vector<WorkerId> takers;
   for (const WorkerId id : free_workers) {
@@ -124,8 +158,8 @@ std::vector<WorkerId> Scheduler::WhoTakes(const JobRecord& job, const std::vecto
   return takers;
 }
 
-bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers) {
-  const std::vector<WorkerId> takers = WhoTakes(job, free_workers);
+bool Scheduler::AssignOneOf(JobRecord& job, bool ahead, std::vector<WorkerId>& free_workers) {
+  std::vector<WorkerId> takers = WhoTakes(job, free_workers);
   if (takers.empty()) return false;
   const auto& ready = job.progress->table().ready();
   const auto first = std::ranges::find_if_not(ready, [](const TaskId& id) { return EndsAFrameOrJob(id.kind); });
@@ -145,6 +179,7 @@ bool Scheduler::AssignOneOf(JobRecord& job, std::vector<WorkerId>& free_workers)
     if (job.homes.HomeOf(gop)) continue;
     if (AssignAmong(job, ready_of(gop), takers, false, free_workers)) return true;
   }
+  if (ahead) std::erase_if(takers, [&](WorkerId worker) { return !job.homes.Of(worker).empty(); });
   return AssignAmong(job, {first, ready.end()}, takers, true, free_workers);
 }
 
@@ -161,6 +196,7 @@ bool Scheduler::AssignAmong(JobRecord& job, const ReadyRange& tasks, const std::
       const auto resting = job.resting.find(*next);
       if (resting != job.resting.end() && resting->second > now_) continue;
       candidates.push_back(CandidateOf(job, *next, takers));
+      LeaveToHome(job, takers, candidates.back());
     }
     if (const std::optional<Placement> placement = ChoosePlacement(candidates, takers)) {
       const std::size_t leases = workers_.leases().size();

@@ -74,7 +74,8 @@ bool Scheduler::AskBackFor(LeaseId id, std::vector<WorkerId>& idle_workers) {
   JobRecord& job = jobs_.at(lease.task.job);
   Task& task = *job.progress->Find(lease.task);
   const std::vector<WorkerId> takers = WhoTakes(job, idle_workers);
-  const TaskCandidate candidate = CandidateOf(job, lease.task, takers);
+  TaskCandidate candidate = CandidateOf(job, lease.task, takers);
+  LeaveToHome(job, takers, candidate);
   const std::optional<Placement> placement = ChoosePlacement({&candidate, 1}, takers);
   if (!placement) return false;
   task.asked_back = task.failures + 1;

@@ -204,6 +204,25 @@ TEST(RemainingTime, CountsWhatWasThereAlreadyAndWhatWasLostAgain) {
   EXPECT_NEAR(*remaining.Seconds(1, {}), before, 1e-9);
 }
 
+TEST(RemainingTime, OfAGopIsWhatItsTasksAreExpectedToTake) {
+  const JobPlan plan(LargeJob({.frames = 5, .gop = 2, .views = 2, .refine = 4}));
+  const CostModel costs(plan.resolved());
+  RemainingTime remaining(plan, costs);
+  for (const int gop : {0, 2}) {
+    const std::vector<TaskId> tasks = plan.TasksOfGop(gop);
+    double left = remaining.SecondsLeftOf(gop);
+    double predicted = 0;
+    for (const TaskId& id : tasks) predicted += costs.Of(id).seconds;
+    EXPECT_NEAR(left, predicted, 0.1 * predicted) << "with what grants take";
+    for (const TaskId& id : tasks) {
+      remaining.Done(id);
+      EXPECT_LT(remaining.SecondsLeftOf(gop), left);
+      left = remaining.SecondsLeftOf(gop);
+    }
+    EXPECT_NEAR(left, 0, 1e-9);
+  }
+}
+
 TEST(RemainingTime, IsNothingAtTheEnd) {
   const Play play(LargeJob({.frames = 5, .gop = 2, .views = 2, .blocks_i = 3, .refine = 4, .confidence = true}), 2,
                   [](const TaskId&, double predicted) { return predicted; });

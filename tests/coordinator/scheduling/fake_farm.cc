@@ -103,7 +103,7 @@ TaskFinished FakeFarm::ResultOf(FakeWorker& worker, const Grant& grant) {
   const bool is_result = spec.id.kind == TaskKind::kEmit && spec.output_key;
   if (MakesArtifact(spec.id.kind) || is_result) {
     const ArtifactKey key = spec.id.kind == TaskKind::kAnalyse ? Sha256(spec.picture) : spec.output_key.value();
-    result.artifact = ArtifactInfo{key, 100U + key[0], Sha256(Text(key))};
+    result.artifact = ArtifactInfo{key, artifact_bytes + key[0], Sha256(Text(key))};
     worker.store[key] = *result.artifact;
   }
   if (spec.id.kind == TaskKind::kAnalyse) result.picture_digest = Sha256("picture " + spec.picture);

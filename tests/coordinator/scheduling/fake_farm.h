@@ -90,6 +90,7 @@ class FakeFarm {
   std::map<JobId, CommittedFrames> committed;
   std::set<std::pair<JobId, std::string>> emitted;  // staging folders
   std::set<TaskId> left_aside;                      // tasks that tell so
+  std::uint64_t artifact_bytes = 100;               // of an artifact, less than that and 256
 
  private:
   void Apply(const std::vector<Action>& actions);

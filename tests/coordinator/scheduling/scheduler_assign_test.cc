@@ -387,6 +387,75 @@ TEST(Scheduler, AWorkerWithoutAGopHelpsWithTheMostUrgentOne) {
   EXPECT_EQ(farm.Running(farm.JoinAndAsk()).task.spec.id.frame, 0);
 }
 
+TEST(Scheduler, AWorkerThatHasAGopIsGivenNothingAheadOfOthers) {
+  FakeFarm farm;
+  farm.Submit(MakePlannedJob({.frames = 4, .gop = 2, .views = 8, .refine = 1}));
+  const WorkerId first = farm.JoinAndAsk(1, 1);
+  farm.Finish(first);     // Prepare
+  farm.JoinAndAsk(1, 1);  // has the other GOP, and is slow
+  while (farm.CountGrants(TaskKind::kEstimate, 1) == 0) {
+    for (const auto& [lease, grant] : farm.At(first).running) EXPECT_LT(grant.task.spec.id.frame, 2);
+    farm.Finish(first);
+  }
+  // What else is ready is of the other GOP. With nothing to do the worker helps.
+  ASSERT_EQ(farm.At(first).running.size(), 1U);
+  const WorkerId third = farm.JoinAndAsk(1, 1);
+  EXPECT_EQ(farm.At(third).running.size(), 2U) << "which has no GOP";
+}
+
+// A worker of a job of one GOP until its last frame is refined, and one that joins then.
+class LateHelper : public testing::Test {
+ protected:
+  void RunWith(std::uint64_t artifact_bytes) {
+    farm_.artifact_bytes = artifact_bytes;
+    farm_.Submit(MakePlannedJob({.frames = 3, .gop = 3, .views = 4, .refine = 2}));
+    home_ = farm_.JoinAndAsk();
+    while (farm_.CountGrants(TaskKind::kRefine, 2) == 0) farm_.Finish(home_);
+    helper_ = farm_.JoinAndAsk();
+  }
+  FakeFarm farm_;
+  WorkerId home_{};
+  WorkerId helper_{};
+};
+
+TEST_F(LateHelper, HelpsWhereItReadsLittle) {
+  RunWith(100);
+  EXPECT_FALSE(farm_.IsIdle(helper_));
+}
+
+TEST_F(LateHelper, IsSparedWhatItWouldReadLongerThanItsHelpIsWorth) {
+  RunWith(std::uint64_t{1} << 30);
+  EXPECT_TRUE(farm_.IsIdle(helper_));
+  farm_.RunToTheEnd();
+  EXPECT_EQ(farm_.ended.at(JobId(1)).state, JobState::kDone);
+}
+
+TEST_F(LateHelper, GoesOnWhereTheHomeIsLost) {
+  RunWith(std::uint64_t{1} << 30);
+  farm_.Leave(home_);
+  EXPECT_FALSE(farm_.IsIdle(helper_));
+  farm_.RunToTheEnd();
+  EXPECT_EQ(farm_.ended.at(JobId(1)).state, JobState::kDone);
+}
+
+TEST_F(LateHelper, GoesOnWhereTheHomeHasOtherWork) {
+  RunWith(std::uint64_t{1} << 30);
+  farm_.Submit(MakePlannedJob({.id = 2, .frames = 1, .gop = 1, .views = 3}), 1);
+  const auto job_of = [&](WorkerId worker) {
+    return farm_.IsIdle(worker) ? JobId() : farm_.Running(worker).task.spec.id.job;
+  };
+  bool helped = false;
+  while (!helped && (!farm_.IsIdle(home_) || !farm_.IsIdle(helper_))) {
+    if (!farm_.IsIdle(home_)) farm_.Finish(home_);
+    helped = job_of(home_) == JobId(2) && job_of(helper_) == JobId(1);
+    if (!helped && !farm_.IsIdle(helper_)) farm_.Finish(helper_);
+    helped = helped || (job_of(home_) == JobId(2) && job_of(helper_) == JobId(1));
+  }
+  EXPECT_TRUE(helped);
+  farm_.RunToTheEnd();
+  for (const auto& [id, job] : farm_.ended) EXPECT_EQ(job.state, JobState::kDone);
+}
+
 TEST(Scheduler, AGopWhoseWorkerIsLostFindsAnotherHome) {
   FakeFarm farm;
   farm.Submit(MakePlannedJob({.frames = 12, .gop = 4, .views = 3, .refine = 2}));
