@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPollInterval{100};
+constexpr std::chrono::milliseconds kFollowInterval{250};
 constexpr std::chrono::milliseconds kCancelTimeout{2000};
 constexpr std::chrono::milliseconds kCleanupLimit{5000};
 
@@ -42,7 +43,7 @@ Result<v1::JobStatus> RunOnFarm(const OwnFarm& farm, const JobRequest& request) 
                                                                          .output_dir = request.output_dir,
                                                                          .name = request.sequence.name}));
   ProgressLine progress;
-  Result<v1::JobStatus> last = FollowJob(*client, job_id, kPollInterval, [&](const v1::JobStatus& job) {
+  Result<v1::JobStatus> last = FollowJob(*client, job_id, kFollowInterval, [&](const v1::JobStatus& job) {
     progress.Show(FormatProgress(job));
     return job.state() == v1::JOB_STATE_RUNNING ? farm.look_after() : Status();
   });

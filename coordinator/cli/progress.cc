@@ -13,10 +13,6 @@ namespace {
 
 constexpr std::chrono::seconds kPlainLineInterval{5};
 
-// The end of a job is noticed late by a part of the time that it took, so that short ones end at once.
-constexpr int kPausesOfAll = 50;
-constexpr std::chrono::milliseconds kLeastPause{5};
-
 }  // namespace
 
 ProgressLine::ProgressLine() : terminal_(::isatty(STDERR_FILENO) != 0) {}
@@ -42,14 +38,18 @@ void ProgressLine::Show(const std::string& text) {
 
 Result<v1::JobStatus> FollowJob(Client& client, std::uint64_t job_id, std::chrono::milliseconds interval,
                                 const std::function<Status(const v1::JobStatus&)>& each) {
-  const auto start = std::chrono::steady_clock::now();
+  Result<v1::JobStatus> job = client.GetStatus(job_id);
   while (true) {
-    DEPTHFARM_ASSIGN_OR_RETURN(v1::JobStatus job, client.GetStatus(job_id));
-    DEPTHFARM_RETURN_IF_ERROR(each(job));
-    if (job.state() != v1::JOB_STATE_RUNNING) return job;
-    const auto followed =
-        std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - start);
-    PauseUnlessInterrupted(std::clamp(followed / kPausesOfAll, std::min(kLeastPause, interval), interval));
+    if (!job.ok()) return job.status();
+    DEPTHFARM_RETURN_IF_ERROR(each(*job));
+    if (job->state() != v1::JOB_STATE_RUNNING) return job;
+    const auto asked = std::chrono::steady_clock::now();
+    job = client.AwaitStatus(job_id, interval);
+    if (Interrupted()) return Cancelled();
+    if (!job.ok() || job->state() != v1::JOB_STATE_RUNNING) continue;
+    // A coordinator that has many waiting answers at once.
+    const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - asked);
+    if (waited < interval) PauseUnlessInterrupted(interval - waited);
     if (Interrupted()) return Cancelled();
   }
 }

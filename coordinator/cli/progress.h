@@ -30,8 +30,8 @@ class ProgressLine {
   std::optional<std::chrono::steady_clock::time_point> shown_at_;
 };
 
-// Asks for the status of a job until it has ended and returns the last one: at least once in each `interval`, more
-// often at first. `each` sees every status; its failure ends the watch. kCancelled when interrupted.
+// Asks for the status of a job, once in each `interval`, until it has ended, and returns the last one as soon as it
+// has. `each` sees every status; its failure ends the watch. kCancelled when interrupted.
 [[nodiscard]] Result<v1::JobStatus> FollowJob(Client& client, std::uint64_t job_id, std::chrono::milliseconds interval,
                                               const std::function<Status(const v1::JobStatus&)>& each);
 

@@ -129,6 +129,15 @@ Result<v1::JobStatus> Client::GetStatus(std::uint64_t job_id, bool serves_upload
   return std::move(*answer.mutable_job_status());
 }
 
+Result<v1::JobStatus> Client::AwaitStatus(std::uint64_t job_id, milliseconds wait) {
+  v1::Envelope question;
+  question.mutable_get_job_status()->set_job_id(job_id);
+  wait = std::min(wait, options_.timeout / 2);
+  question.mutable_get_job_status()->set_wait_ms(static_cast<std::uint32_t>(std::max(wait, milliseconds(1)).count()));
+  DEPTHFARM_ASSIGN_OR_RETURN(v1::Envelope answer, Ask(std::move(question), v1::Envelope::kJobStatus));
+  return std::move(*answer.mutable_job_status());
+}
+
 Result<v1::Results> Client::GetResults(std::uint64_t job_id, std::uint32_t first_frame) {
   v1::Envelope question;
   question.mutable_get_results()->set_job_id(job_id);

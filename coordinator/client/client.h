@@ -82,6 +82,8 @@ class Client {
   [[nodiscard]] Result<std::uint64_t> Submit(const JobSubmission& submission);
   // `serves_uploads`: from the submitter of a job with uploads, that it is still there.
   [[nodiscard]] Result<v1::JobStatus> GetStatus(std::uint64_t job_id, bool serves_uploads = false);
+  // When the job has ended, or after `wait`, but half the timeout of calls at most; sooner where many wait.
+  [[nodiscard]] Result<v1::JobStatus> AwaitStatus(std::uint64_t job_id, std::chrono::milliseconds wait);
   // What is done of a job that keeps its results, from a frame on; several questions may be needed.
   [[nodiscard]] Result<v1::Results> GetResults(std::uint64_t job_id, std::uint32_t first_frame);
   // All that the coordinator knows, in as many questions as it takes.

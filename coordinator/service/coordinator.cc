@@ -22,7 +22,8 @@ using std::chrono::milliseconds;
 
 constexpr int kMaxVersionText = 100;
 constexpr std::size_t kMaxLoggedReason = 200;
-constexpr std::size_t kMaxLastLine = 300;      // in the reason of a failed attempt
+constexpr std::size_t kMaxLastLine = 300;  // in the reason of a failed attempt
+constexpr std::chrono::milliseconds kLongestWait{10'000};
 constexpr std::size_t kMostKeptJobs = 20'000;  // clients before protocol 8.2 get all in one message
 
 SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint64_t first_lease) {
@@ -129,6 +130,7 @@ Coordinator::Coordinator(const CoordinatorOptions& options, std::uint64_t first_
 void Coordinator::Tick(TimePoint now) {
   now_ = now;
   CarryOut(scheduler_.Tick(now_));
+  AnswerThoseThatWait(status_waits_.TakeDue(now_));
 }
 
 int Coordinator::DropUnlisted(const AllowedKeys& allowed, TimePoint now) {
@@ -314,7 +316,28 @@ void Coordinator::HandleTaskFinished(WorkerId worker, const v1::TaskFinished& me
   }
 }
 
+bool Coordinator::Waits(const PeerMessage& message, const v1::Envelope& question) {
+  const v1::GetJobStatus& asked = question.get_job_status();
+  if (asked.wait_ms() == 0 || asked.serves_uploads()) return false;
+  const JobId id(asked.job_id());
+  const std::optional<JobSnapshot> job = scheduler_.Job(id);
+  if (!job || job->state != JobState::kRunning || status_waits_.full()) return false;
+  const auto wait = std::min(std::chrono::milliseconds(asked.wait_ms()), kLongestWait);
+  status_waits_.Add({message.peer, question.request_id(), id}, now_ + wait);
+  return true;
+}
+
+void Coordinator::AnswerThoseThatWait(const std::vector<StatusWaits::Question>& questions) {
+  for (const StatusWaits::Question& question : questions) {
+    Result<v1::Envelope> answer = StatusOf(question.job);
+    if (!answer.ok()) continue;  // forgotten meanwhile: it will ask again, and be told so
+    answer->set_request_id(question.request_id);
+    Send(question.peer, std::move(answer).value());
+  }
+}
+
 void Coordinator::HandleFromClient(const PeerMessage& message, const v1::Envelope& envelope) {
+  if (envelope.has_get_job_status() && Waits(message, envelope)) return;
   Result<v1::Envelope> answer = Answer(envelope);
   if (!answer.ok()) {
     Refuse(message, envelope.request_id(), answer.status());

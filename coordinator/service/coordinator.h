@@ -23,6 +23,7 @@
 #include "coordinator/service/job_history.h"
 #include "coordinator/service/note_pace.h"
 #include "coordinator/service/refusals.h"
+#include "coordinator/service/status_waits.h"
 #include "coordinator/service/worker_sessions.h"
 
 namespace depthfarm {
@@ -92,6 +93,9 @@ class Coordinator {
   [[nodiscard]] Result<v1::Envelope> Submit(const v1::SubmitJob& request);
   [[nodiscard]] Result<v1::Envelope> Retry(JobId id);
   [[nodiscard]] Result<v1::Envelope> StatusOf(JobId id) const;
+  // Whether GetJobStatus is to be answered later, when its job has ended; notes it if so.
+  [[nodiscard]] bool Waits(const PeerMessage& message, const v1::Envelope& question);
+  void AnswerThoseThatWait(const std::vector<StatusWaits::Question>& questions);
   // With the attempts of the task that it failed with.
   [[nodiscard]] v1::JobStatus FullStatus(const JobSnapshot& job) const;
   [[nodiscard]] Result<v1::Envelope> ResultsOf(const v1::GetResults& request) const;
@@ -156,6 +160,7 @@ class Coordinator {
   // Of the jobs that ran since the coordinator was started: when each was submitted, what became of its attempts.
   std::map<JobId, TimePoint> submitted_;
   AttemptRecords attempts_;
+  StatusWaits status_waits_;
   MessageRefusals refusals_;
   NotePace note_pace_;
   // Since the start, see FarmMetrics.

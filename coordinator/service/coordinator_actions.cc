@@ -118,6 +118,7 @@ void Coordinator::Do(const JobEnded& action) {
     return true;
   });
   for (const JobId id : forgotten) Dispatch(JobForgotten{id});
+  AnswerThoseThatWait(status_waits_.TakeOf(job.id));
 }
 
 void Coordinator::Do(const AttemptEnded& action) { Count(action, attempts_.End(action, now_)); }

@@ -184,6 +184,41 @@ TEST(Coordinator, AWorkerOfAnotherAlgorithmIsWelcomeAndGetsNoTask) {
   EXPECT_EQ(workers.workers(0).algorithm_version() + workers.workers(1).algorithm_version(), 2 * kAlgorithmVersion + 1);
 }
 
+TEST(Coordinator, AStatusThatWaitsIsAnsweredWhenTheJobHasEndedOrItsTimeIsOver) {
+  const TemporaryFolder folder;
+  RunningCoordinator coordinator(On(folder));
+  TransportContext context;
+  FakePeer client(context, coordinator.endpoint());
+  const auto ask = [&](std::uint64_t request_id, std::uint64_t job_id, std::uint32_t wait_ms) {
+    v1::Envelope question;
+    question.set_request_id(request_id);
+    question.mutable_get_job_status()->set_job_id(job_id);
+    question.mutable_get_job_status()->set_wait_ms(wait_ms);
+    client.Send(std::move(question));
+  };
+  client.Send(SubmitRequest(1, "/out/a"));
+  const std::uint64_t job = client.Await(v1::Envelope::kJobAccepted).job_accepted().job_id();
+  ask(11, job, 1);
+  const v1::Envelope in_time = client.Await(v1::Envelope::kJobStatus);
+  EXPECT_EQ(in_time.request_id(), 11U);
+  EXPECT_EQ(in_time.job_status().state(), v1::JOB_STATE_RUNNING);
+  ask(12, 99, 10'000);
+  EXPECT_EQ(client.Await(v1::Envelope::kError).request_id(), 12U) << "an unknown job does not end";
+
+  ask(13, job, 10'000);
+  ask(14, job, 0);  // who does not wait is not held up
+  EXPECT_EQ(client.Await(v1::Envelope::kJobStatus).request_id(), 14U);
+  FakeFarmWorker worker(context, coordinator.endpoint(), "w1");
+  worker.Hello();
+  worker.Ask();
+  EXPECT_GT(worker.WorkUntilJobEnds(), 0);
+  const v1::Envelope at_end = client.Await(v1::Envelope::kJobStatus);
+  EXPECT_EQ(at_end.request_id(), 13U);
+  EXPECT_EQ(at_end.job_status().state(), v1::JOB_STATE_DONE);
+  ask(15, job, 10'000);
+  EXPECT_EQ(client.Await(v1::Envelope::kJobStatus).request_id(), 15U) << "it has ended";
+}
+
 // A peer of the next minor version says what this one does not know, in fields and in messages.
 TEST(Coordinator, APeerOfTheNextMinorVersionIsServedAndToldWhatIsNotKnown) {
   const TemporaryFolder folder;
