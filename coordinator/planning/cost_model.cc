@@ -68,6 +68,7 @@ constexpr double kLaterChoice = 0.82;              // less is open after the fir
 
 constexpr double kAssessPixel = 140 * kNano;  // and a view it is compared with
 constexpr double kEmitPixel = 34 * kNano;
+constexpr double kEmitPixelOfExr = 115 * kNano;
 constexpr double kEmitPixelOfLevels = 16 * kNano;  // depth of levels compresses better, with less work
 constexpr double kFileSeconds = 0.8e-3;            // renamed into place; named in the manifest
 constexpr double kFileInManifest = 20 * kMicro;
@@ -86,6 +87,9 @@ constexpr double kKeptPixelStored = 0.76;  // more, in P frames: what was kept h
 constexpr double kConfidencePixelStored = 1.15;
 constexpr double kDepthPixelStored = 1.1;
 constexpr double kLevelPixelStored = 0.33;
+constexpr double kPfmPixelStored = 4;
+constexpr double kExrPixelStored = 2.5;
+constexpr double kRawPixelStored = 3;
 
 // Memory of a worker beside that of the process, bytes.
 constexpr double kAnalysisPixel = 8;     // colour, segment
@@ -239,7 +243,22 @@ TaskCost CostModel::Emit(bool i_frame) const {
   const bool refined = job_.params.refine_rounds > 0;
   const bool confidence = job_.params.confidence;
   double seconds = (refined ? kEmitPixel : kEmitPixelOfLevels) * pixels_;
-  double stored = (refined ? kDepthPixelStored : kLevelPixelStored) * pixels_;
+  double stored = pixels_;
+  switch (job_.params.output_format) {
+    case DepthFormat::kPng16:
+      stored *= refined ? kDepthPixelStored : kLevelPixelStored;
+      break;
+    case DepthFormat::kPfm:
+      stored *= kPfmPixelStored;
+      break;
+    case DepthFormat::kExr:
+      seconds = kEmitPixelOfExr * pixels_;
+      stored *= kExrPixelStored;
+      break;
+    case DepthFormat::kYuv420p16:
+      stored *= kRawPixelStored;
+      break;
+  }
   if (confidence) {
     seconds += kEmitPixel * pixels_;
     stored += kConfidencePixelStored * pixels_;

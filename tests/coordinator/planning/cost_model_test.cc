@@ -241,6 +241,22 @@ TEST(CostModel, LevelsThatAreNotAllTriedTakeLess) {
   EXPECT_LT(some.peak_memory_bytes, 0.7 * static_cast<double>(all.peak_memory_bytes));
 }
 
+TEST(CostModel, FilesOfOtherFormatsAreAsLargeAsTheyAre) {
+  const TaskId emit{JobId(1), 0, TaskKind::kEmit, 0, 0};
+  const auto bytes_of = [&](DepthFormat format) {
+    EstimationParams params;
+    params.output_format = format;
+    const ResolvedJob job = JobOf({}, params);
+    double pixels = 0;
+    for (const JobView& view : job.views) pixels += double{1} * view.camera.width * view.camera.height;
+    return static_cast<double>(CostModel(job).Of(emit).result_bytes) / pixels;
+  };
+  EXPECT_NEAR(bytes_of(DepthFormat::kPfm), 4, 1e-3);
+  EXPECT_NEAR(bytes_of(DepthFormat::kYuv420p16), 3, 1e-3);
+  EXPECT_LT(bytes_of(DepthFormat::kPng16), bytes_of(DepthFormat::kExr));
+  EXPECT_LT(bytes_of(DepthFormat::kExr), 3);
+}
+
 TEST(CostModel, NothingGetsCheaperWhenAJobGrows) {
   const std::vector<std::function<void(Shape&, EstimationParams&)>> larger = {
       [](Shape& shape, EstimationParams&) { shape.width *= 2; },
