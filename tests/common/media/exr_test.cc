@@ -4,6 +4,8 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
+#include <ImfTileDescription.h>
+#include <ImfTiledOutputFile.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -79,6 +81,35 @@ TEST_F(OtherPrograms, DepthIsChannelZOrTheOnlyOne) {
   EXPECT_EQ(DecodeExr(File({"Z"}, Imf::FLOAT, 2.5F)).value(), Grid<float>(4, 2, 2.5F));
   EXPECT_EQ(DecodeExr(File({"A", "B", "Z"}, Imf::FLOAT, 2.5F)).value(), Grid<float>(4, 2, 2.5F));
   EXPECT_EQ(DecodeExr(File({"ViewLayer.Depth.V"}, Imf::HALF, 2.5F)).value(), Grid<float>(4, 2, 2.5F));
+}
+
+TEST_F(OtherPrograms, EveryKindOfCompressionAndTilesAreRead) {
+  const Grid<float> expected = Values();
+  for (const auto compression :
+       {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+    for (const bool tiled : {false, true}) {
+      const std::string path = (folder_.path() / "other.exr").string();
+      Imf::Header header(expected.width(), expected.height());
+      header.compression() = compression;
+      header.lineOrder() = tiled ? Imf::INCREASING_Y : Imf::DECREASING_Y;
+      header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+      Imf::FrameBuffer frame;
+      frame.insert("Z", Imf::Slice::Make(Imf::FLOAT, expected.values().data(), header.dataWindow()));
+      if (tiled) {
+        header.setTileDescription(Imf::TileDescription(16, 8, Imf::ONE_LEVEL));
+        Imf::TiledOutputFile file(path.c_str(), header, 0);
+        file.setFrameBuffer(frame);
+        file.writeTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
+      } else {
+        Imf::OutputFile file(path.c_str(), header, 0);
+        file.setFrameBuffer(frame);
+        file.writePixels(expected.height());
+      }
+      const auto values = DecodeExr(ReadFileBytes(path, 1 << 20).value());
+      ASSERT_TRUE(values.ok()) << values.status().message();
+      EXPECT_TRUE(*values == expected) << compression << (tiled ? ", tiled" : "");
+    }
+  }
 }
 
 TEST_F(OtherPrograms, OtherFilesAreExplained) {
