@@ -1,6 +1,13 @@
 #include "coordinator/scheduling/placement.h"
 
+#include "coordinator/planning/cost_model.h"
+
 namespace depthfarm {
+namespace {
+
+constexpr double kLeftForEachRead = 6;  // seconds that are left, for each that is read
+
+}  // namespace
 
 std::optional<Placement> ChoosePlacement(std::span<const TaskCandidate> tasks, std::span<const WorkerId> free_workers) {
   std::optional<Placement> best;
@@ -16,6 +23,10 @@ std::optional<Placement> ChoosePlacement(std::span<const TaskCandidate> tasks, s
     }
   }
   return best;
+}
+
+bool IsHelpWorthReading(std::uint64_t missing_bytes, double seconds_left_of_gop) {
+  return kLeftForEachRead * CostModel::SecondsToRead(missing_bytes) <= seconds_left_of_gop;
 }
 
 }  // namespace depthfarm

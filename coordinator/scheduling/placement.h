@@ -37,6 +37,11 @@ struct Placement {
 [[nodiscard]] std::optional<Placement> ChoosePlacement(std::span<const TaskCandidate> tasks,
                                                        std::span<const WorkerId> free_workers);
 
+// Whether a worker that has another GOP or none helps where one is at work on a GOP: not where it would read its task's
+// missing inputs too long for what is left of that GOP (RemainingTime::SecondsLeftOf). It reads as much for other
+// tasks, and what it makes is read by the one it helps.
+[[nodiscard]] bool IsHelpWorthReading(std::uint64_t missing_bytes, double seconds_left_of_gop);
+
 }  // namespace depthfarm
 
 #endif  // DEPTHFARM_COORDINATOR_SCHEDULING_PLACEMENT_H_

@@ -7,13 +7,6 @@
 #include "coordinator/scheduling/scheduler.h"
 
 namespace depthfarm {
-namespace {
-
-// A GOP's seconds that are left, for each that a helper reads before its first task: it reads as much for others, and
-// what it makes is read at home.
-constexpr double kLeftForEachRead = 6;
-
-}  // namespace
 
 std::vector<WorkerId> Scheduler::WorkersWith(WorkerTable::Room room) const {
   std::vector<std::pair<TimePoint, WorkerId>> free;
@@ -134,14 +127,14 @@ void Scheduler::LeaveToHome(const JobRecord& job, const std::vector<WorkerId>& f
     return leased.job == task.job && job.progress->plan().GopOf(leased.frame) == gop;
   };
   if (at_home == nullptr || std::ranges::none_of(at_home->leases, is_of_gop)) return;
-  const double worth = job.progress->remaining().SecondsLeftOf(gop) / kLeftForEachRead;
+  const double left = job.progress->remaining().SecondsLeftOf(gop);
   for (const WorkerId worker : free_workers) {
     if (worker == *home) continue;
     const auto held = candidate.local_bytes.find(worker);
     const std::uint64_t there = held == candidate.local_bytes.end() ? 0 : held->second;
     // More may be there: what such a task made when it was done before.
     const std::uint64_t missing = candidate.input_bytes - std::min(candidate.input_bytes, there);
-    if (CostModel::SecondsToRead(missing) > worth) candidate.avoid.insert(worker);
+    if (!IsHelpWorthReading(missing, left)) candidate.avoid.insert(worker);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "coordinator/planning/cost_model.h"
 #include "coordinator/scheduling/task_table.h"
 
 namespace depthfarm {
@@ -36,6 +37,15 @@ TEST(Placement, AWorkerToAvoidGetsNothingHoweverMuchItHolds) {
   EXPECT_EQ(ChoosePlacement(tasks, kWorkers)->worker, WorkerId(3));
   EXPECT_EQ(ChoosePlacement(tasks, {kWorkers.data(), 1}), std::nullopt);
   EXPECT_EQ(ChoosePlacement(tasks, {}), std::nullopt);
+}
+
+TEST(Placement, HelpIsWorthWhatItReadsWhileEnoughIsLeft) {
+  EXPECT_TRUE(IsHelpWorthReading(0, 0)) << "nothing to read";
+  EXPECT_FALSE(IsHelpWorthReading(1, 0));
+  const std::uint64_t read = 100'000'000;
+  const double seconds = CostModel::SecondsToRead(read);
+  EXPECT_FALSE(IsHelpWorthReading(read, 5 * seconds));
+  EXPECT_TRUE(IsHelpWorthReading(read, 7 * seconds));
 }
 
 TEST(Urgency, EndingFramesComesBeforeNewWork) {
