@@ -1,5 +1,4 @@
 #include "common/media/exr.h"
-
 #include "tests/fuzz/fuzz_target.h"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
