@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -43,6 +45,43 @@ TEST(ValidateLabels, RefusesAnUnusedLabel) {
 TEST(ValidateLabels, RefusesALabelThatNoPictureOfThisSizeCanHave) {
   EXPECT_EQ(Validate(2, {0, 4294967295U}).code(), ErrorCode::kCorrupt);
   EXPECT_EQ(Validate(2, {0, 2}).code(), ErrorCode::kCorrupt);
+}
+
+// Every map of 3 x 3 pixels with labels 0 to 2, by a search of its own.
+TEST(ValidateLabels, IsRightForAllSmallMaps) {
+  constexpr int kSide = 3;
+  constexpr int kPixels = kSide * kSide;
+  const auto reached_from = [](const std::vector<SegmentIndex>& values, int start) {
+    std::vector<bool> reached(kPixels, false);
+    std::vector<int> open = {start};
+    reached[static_cast<std::size_t>(start)] = true;
+    while (!open.empty()) {
+      const int pixel = open.back();
+      open.pop_back();
+      for (int other = 0; other < kPixels; ++other) {
+        const bool near = std::abs(other % kSide - pixel % kSide) <= 1 && std::abs(other / kSide - pixel / kSide) <= 1;
+        if (!near || reached[static_cast<std::size_t>(other)] ||
+            values[static_cast<std::size_t>(other)] != values[static_cast<std::size_t>(start)]) {
+          continue;
+        }
+        reached[static_cast<std::size_t>(other)] = true;
+        open.push_back(other);
+      }
+    }
+    return std::ranges::count(reached, true);
+  };
+  for (int map = 0; map < 19'683; ++map) {  // 3^9
+    std::vector<SegmentIndex> values;
+    for (int rest = map, i = 0; i < kPixels; ++i, rest /= 3) values.push_back(static_cast<SegmentIndex>(rest % 3));
+    const SegmentIndex last = *std::ranges::max_element(values);
+    bool right = true;
+    for (SegmentIndex label = 0; label <= last; ++label) {
+      const auto first = std::ranges::find(values, label);
+      right = right && first != values.end() &&
+              reached_from(values, static_cast<int>(first - values.begin())) == std::ranges::count(values, label);
+    }
+    ASSERT_EQ(Validate(kSide, values).ok(), right) << map;
+  }
 }
 
 TEST(ValidateLabels, RefusesAnEmptyMap) { EXPECT_EQ(ValidateLabels(Grid<SegmentIndex>()).code(), ErrorCode::kCorrupt); }
