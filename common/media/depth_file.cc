@@ -16,8 +16,6 @@ namespace {
 
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{5} << 30;  // 32768 x 32768 floats and a header
 
-constexpr PictureFormat kRawCodes{.kind = PictureFormat::Kind::kYuv420, .bits = 16};
-
 bool IsMetric(DepthFormat format) { return format == DepthFormat::kPfm || format == DepthFormat::kExr; }
 
 Result<DepthFormat> FormatOf(const std::string& path) {

@@ -10,8 +10,12 @@
 #include "common/image/depth_code.h"
 #include "common/sequence/depth_format.h"
 #include "common/sequence/depth_manifest.h"
+#include "common/sequence/picture_format.h"
 
 namespace depthfarm {
+
+// What raw files of depth codes are (DepthFormat::kYuv420p16); the codes are their luma.
+inline constexpr PictureFormat kRawCodes{.kind = PictureFormat::Kind::kYuv420, .bits = 16};
 
 // 16-bit PNG of depth codes (0 = no depth). Byte-deterministic for one version of libdeflate: see EncodePng.
 [[nodiscard]] Result<std::string> EncodeDepthPng(const Grid<std::uint16_t>& codes);

@@ -15,18 +15,15 @@
 #include <exception>
 #include <utility>
 
+#include "common/media/decoded_size.h"
+
 namespace depthfarm {
 namespace {
 
 constexpr std::string_view kStart = "\x76\x2f\x31\x01";
 constexpr const char* kChannel = "Z";
 constexpr int kMaxSide = 32768;
-// Decoded bytes that a file may say it holds, for each of its own; small pictures may be of any kind (image_codec.cc).
-constexpr std::size_t kMostBytesOfSmall = std::size_t{64} << 20;
-constexpr std::size_t kMostExpansion = 9000;
 constexpr int kNoThreads = 0;
-
-std::size_t MostDecoded(std::string_view bytes) { return std::max(kMostBytesOfSmall, bytes.size() * kMostExpansion); }
 
 class Sink final : public Imf::OStream {
  public:
@@ -159,7 +156,7 @@ Result<Grid<float>> OpenExr::Read() {
     return InvalidArgument("has sides of " + std::to_string(width) + " and " + std::to_string(height) +
                            " pixels, expected 1 to " + std::to_string(kMaxSide));
   }
-  if (static_cast<std::size_t>(width * height) * sizeof(float) > MostDecoded(bytes_))
+  if (static_cast<std::size_t>(width * height) * sizeof(float) > MostDecodedBytes(bytes_.size()))
     return InvalidArgument("says that it has more pixels than a file of its size holds");
   const exr_attr_chlist_entry_t* const channel = ChannelOf(*channels);
   if (channel == nullptr) return InvalidArgument("has several channels and none is Z: expected depth as channel Z");
@@ -233,7 +230,7 @@ bool IsExr(std::string_view bytes) { return bytes.starts_with(kStart); }
 Result<Grid<float>> DecodeExr(std::string_view bytes) {
   if (!IsExr(bytes)) return InvalidArgument("is not an OpenEXR file");
   // Its tables and buffers beside the pixels: a file's rows may be compressed 256 at a time.
-  const Memory memory(MostDecoded(bytes));
+  const Memory memory(MostDecodedBytes(bytes.size()));
   OpenExr file(bytes);
   return file.Read();
 }

@@ -76,9 +76,8 @@ Result<Grid<float>> Values(std::string_view bytes) {
 
 // As depth maps of codes are written: PNG, or a raw picture, which says nothing of its size.
 Result<Grid<std::uint16_t>> Codes(std::string_view bytes, int width, int height) {
-  constexpr PictureFormat kRaw{.kind = PictureFormat::Kind::kYuv420, .bits = 16};
-  if (bytes.size() == RawPictureBytes(kRaw, width, height) && !bytes.starts_with("\x89PNG"))
-    return DecodeRawLuma(bytes, kRaw, width, height);
+  if (bytes.size() == RawPictureBytes(kRawCodes, width, height) && !bytes.starts_with("\x89PNG"))
+    return DecodeRawLuma(bytes, kRawCodes, width, height);
   return DecodeDepthPng(bytes);
 }
 

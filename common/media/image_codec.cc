@@ -9,6 +9,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "common/media/decoded_size.h"
+
 namespace depthfarm {
 namespace {
 
@@ -52,11 +54,6 @@ std::size_t EndOfScan(std::string_view bytes, std::size_t position) {
     position += 2;
   }
 }
-
-// Decoded bytes that a file may say it holds: headers are believed before a pixel is read. A PNG of one colour and one
-// bit a pixel has the most, 8,256 for each of its bytes; small pictures may be of any format.
-constexpr std::size_t kMostBytesOfSmall = std::size_t{64} << 20;
-constexpr std::size_t kMostExpansion = 9000;
 
 struct TooLarge {
   int width;
@@ -138,7 +135,7 @@ Result<cv::Mat> DecodeImage(std::string_view bytes) {
   try {
     const cv::Mat wrapped(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
     BoundedAllocator::Install();
-    const BoundedAllocator::Bound bound(kMostBytesOfSmall + kMostExpansion * bytes.size());
+    const BoundedAllocator::Bound bound(MostDecodedBytes(bytes.size()));
     cv::Mat image = cv::imdecode(wrapped, cv::IMREAD_UNCHANGED);
     if (image.empty()) {
       return InvalidArgument("cannot be decoded: damaged or cut short (" + std::to_string(bytes.size()) + " bytes)");

@@ -24,7 +24,7 @@ constexpr int kMaxVersionText = 100;
 constexpr std::size_t kMaxLoggedReason = 200;
 constexpr std::size_t kMaxLastLine = 300;  // in the reason of a failed attempt
 constexpr std::chrono::milliseconds kLongestWait{10'000};
-constexpr std::size_t kMostKeptJobs = 20'000;  // clients before protocol 8.2 get all in one message
+constexpr std::size_t kMostKeptJobs = 20'000;  // who asks for no page of them gets all in one message
 
 SchedulerOptions SchedulerOptionsOf(const CoordinatorOptions& options, std::uint64_t first_lease) {
   SchedulerOptions scheduler;

@@ -48,7 +48,7 @@ struct Surroundings {
   test::Random& random;
   Network& network;
   TaskFaults& faults;
-  bool tells_deaths;  // else nobody minds the workers, as it was before protocol 8.2
+  bool tells_deaths;  // else nobody minds the workers
   // Sends to the coordinator.
   std::function<void(const std::string& host, const std::string& peer, std::string payload)> send;
   // The same, on a connection of its own: in whatever order with the others.

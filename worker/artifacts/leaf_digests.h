@@ -10,9 +10,8 @@ namespace depthfarm {
 // Of the tree of an artifact's digest (artifact_digest.h). What libipsec-mb hashes at a time is less than 64 KiB.
 inline constexpr std::size_t kLeafBytes = std::size_t{32} << 10;
 
-// SHA-256 of each leaf of `leaves`, whose size is a multiple of kLeafBytes: 32 bytes each, behind `digests`. Where
-// libipsec-mb is, which knows x86-64 alone, many are hashed side by side, one in each lane of the vectors that the
-// processor has; else one after the other. The same digests.
+// SHA-256 of each leaf of `leaves`, whose size is a multiple of kLeafBytes: 32 bytes each, behind `digests`. Many are
+// hashed side by side where that is possible (leaf_lanes.h), else one after the other. The same digests.
 void AppendLeafDigests(std::string_view leaves, std::string& digests);
 
 }  // namespace depthfarm

@@ -14,6 +14,7 @@
 #include "common/files/writable_folder.h"
 #include "common/image/picture.h"
 #include "common/media/depth_file.h"
+#include "common/media/exr.h"
 #include "common/media/pfm.h"
 #include "common/media/raw_picture.h"
 #include "common/sequence/camera_fields.h"
@@ -55,11 +56,13 @@ std::string CountOf(int count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
-std::string NameOf(int frame, const char* extension) {
+std::string NameOf(int frame, const std::string& extension) {
   return fs::path(DepthFileName("x", frame, extension)).filename().string();
 }
 
-Status ExportPfm(const ExportCommandOptions& options, const DepthManifest& manifest, const Frames& frames) {
+bool IsMetric(const std::string& format) { return format == "pfm" || format == "exr"; }
+
+Status ExportMetric(const ExportCommandOptions& options, const DepthManifest& manifest, const Frames& frames) {
   for (const DepthManifestCamera& camera : manifest.cameras) {
     const fs::path folder = fs::path(options.output) / camera.camera.name;
     DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(folder.string()));
@@ -67,7 +70,9 @@ Status ExportPfm(const ExportCommandOptions& options, const DepthManifest& manif
       DEPTHFARM_RETURN_IF_ERROR(CheckInterrupted(options));
       const auto position = static_cast<std::size_t>(frame - manifest.first_frame);
       DEPTHFARM_ASSIGN_OR_RETURN(const DepthMap depth, ReadDepthOf(options.depth_dir, camera, position));
-      DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically((folder / NameOf(frame, "pfm")).string(), EncodePfm(depth)));
+      DEPTHFARM_ASSIGN_OR_RETURN(const std::string bytes,
+                                 options.format == "exr" ? EncodeExr(depth) : EncodePfm(depth));
+      DEPTHFARM_RETURN_IF_ERROR(WriteFileAtomically((folder / NameOf(frame, options.format)).string(), bytes));
     }
   }
   return {};
@@ -137,8 +142,8 @@ Status ExportPly(const ExportCommandOptions& options, const Frames& frames, std:
 // Options that the format does not have.
 Status CheckOptions(const ExportCommandOptions& options) {
   const bool ply = options.format == "ply";
-  if (!ply && options.format != "pfm" && options.format != "yuv")
-    return InvalidArgument("FORMAT is '" + options.format + "', expected pfm, yuv or ply");
+  if (!ply && !IsMetric(options.format) && options.format != "yuv")
+    return InvalidArgument("FORMAT is '" + options.format + "', expected pfm, exr, yuv or ply");
   if (ply && options.sequence.empty())
     return InvalidArgument("ply needs --sequence, the file that the depth was estimated from: points have its colours");
   if (!ply && !(options.sequence.empty() && options.step == 1 && options.min_confidence == 0))
@@ -159,9 +164,9 @@ Status RunExport(const ExportCommandOptions& options, std::ostream& out) {
   DEPTHFARM_RETURN_IF_ERROR(MakeDirectories(options.output));
   const std::string of = CountOf(frames.end - frames.first, "frame") + " of " +
                          CountOf(static_cast<int>(manifest.cameras.size()), "camera");
-  if (options.format == "pfm") {
-    DEPTHFARM_RETURN_IF_ERROR(ExportPfm(options, manifest, frames));
-    out << of << " -> " << options.output << "/CAMERA/FRAME.pfm\n";
+  if (IsMetric(options.format)) {
+    DEPTHFARM_RETURN_IF_ERROR(ExportMetric(options, manifest, frames));
+    out << of << " -> " << options.output << "/CAMERA/FRAME." << options.format << "\n";
   } else if (options.format == "yuv") {
     DEPTHFARM_RETURN_IF_ERROR(ExportYuv(options, manifest, frames));
     out << of << " -> " << options.output << "/CAMERA.yuv (yuv420p16le)\n";

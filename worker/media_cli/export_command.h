@@ -10,7 +10,7 @@
 namespace depthfarm {
 
 struct ExportCommandOptions {
-  std::string format = {};                 // "pfm", "yuv", "ply"
+  std::string format = {};                 // "pfm", "exr", "yuv", "ply"
   std::string depth_dir = {};              // holds depth.json
   std::string output = {};                 // folder, made if missing
   std::string sequence = {};               // ply: the sequence file that the depth was estimated from
@@ -23,6 +23,7 @@ struct ExportCommandOptions {
 
 // Writes depth for other programs:
 //   pfm  OUT/<camera>/<frame>.pfm, z along the camera's axis in the sequence's unit of length, 0: no depth
+//   exr  the same as channel Z of OUT/<camera>/<frame>.exr
 //   yuv  OUT/<camera>.yuv, all frames: planar 4:2:0, 16 bits, luma as in the PNG files, chroma 32768; and
 //        OUT/cameras.json, each camera with its zNear and zFar
 //   ply  OUT/<frame>.ply, the points of all cameras in the world with their colours, see PointCloud

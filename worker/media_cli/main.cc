@@ -313,7 +313,7 @@ void AddColour(CLI::App* command, Action* action) {
 
 void AddExport(CLI::App* command, Action* action) {
   auto options = std::make_shared<depthfarm::ExportCommandOptions>();
-  command->add_option("format", options->format, "pfm, yuv or ply, see below")->required()->type_name("FORMAT");
+  command->add_option("format", options->format, "pfm, exr, yuv or ply, see below")->required()->type_name("FORMAT");
   command->add_option("depth", options->depth_dir, "Folder with depth.json")->required()->type_name("DEPTH_DIR");
   command->add_option("-o,--output", options->output, "Folder to write")->required()->type_name("DIR");
   command->add_option("--sequence", options->sequence, "ply: sequence file the depth was estimated from")
@@ -332,6 +332,7 @@ void AddExport(CLI::App* command, Action* action) {
   command->footer(
       "Formats:\n"
       "  pfm   DIR/CAMERA/FRAME.pfm: z along the camera's axis, the sequence's unit of length, 0 where there is none\n"
+      "  exr   DIR/CAMERA/FRAME.exr: the same as channel Z of OpenEXR files\n"
       "  yuv   DIR/CAMERA.yuv: all frames, planar 4:2:0, 16 bits little-endian; luma is 1 + 65534 (1/z - 1/zFar) /\n"
       "        (1/zNear - 1/zFar) with the camera's zNear and zFar in DIR/cameras.json, 0 where there is none\n"
       "  ply   DIR/FRAME.ply: points of all cameras in the world, with their colours\n"

@@ -12,6 +12,7 @@
 #include "common/base/little_endian.h"
 #include "common/files/atomic_file.h"
 #include "common/media/depth_file.h"
+#include "common/media/exr.h"
 #include "common/media/pfm.h"
 #include "common/sequence/depth_manifest.h"
 #include "tests/support/temporary_folder.h"
@@ -75,6 +76,18 @@ TEST_F(Exported, PfmIsMetric) {
   }
 }
 
+TEST_F(Exported, OpenExrHasTheSameDepthAsPfm) {
+  ASSERT_TRUE(Export({.format = "pfm"}).ok());
+  const Status status = Export({.format = "exr"});
+  ASSERT_TRUE(status.ok()) << status.message();
+  EXPECT_THAT(out_.str(), HasSubstr("/CAMERA/FRAME.exr"));
+  for (const char* name : {"a/0003", "b/0004"}) {
+    const Result<Grid<float>> depth = DecodeExr(Bytes(std::string(name) + ".exr"));
+    ASSERT_TRUE(depth.ok()) << depth.status().message();
+    EXPECT_EQ(*depth, ReadPfm(folder_.File("out/" + std::string(name) + ".pfm")).value());
+  }
+}
+
 TEST_F(Exported, YuvHasTheCodesOfAllFramesAndTheirCameras) {
   const Status status = Export({.format = "yuv"});
   ASSERT_TRUE(status.ok()) << status.message();
@@ -105,7 +118,7 @@ TEST_F(Exported, FramesAreThoseOfTheSequence) {
 }
 
 TEST_F(Exported, WhatIsNotTheFormatsIsRefused) {
-  EXPECT_THAT(Export({.format = "obj"}).message(), HasSubstr("FORMAT is 'obj', expected pfm, yuv or ply"));
+  EXPECT_THAT(Export({.format = "obj"}).message(), HasSubstr("FORMAT is 'obj', expected pfm, exr, yuv or ply"));
   EXPECT_THAT(Export({.format = "ply"}).message(), HasSubstr("ply needs --sequence"));
   EXPECT_THAT(Export({.format = "yuv", .step = 2}).message(), HasSubstr("are of ply"));
   EXPECT_THAT(

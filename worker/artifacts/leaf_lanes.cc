@@ -1,3 +1,5 @@
+#include "worker/artifacts/leaf_lanes.h"
+
 #include <intel-ipsec-mb.h>
 
 #include <cstdint>
@@ -14,9 +16,6 @@ namespace depthfarm {
 namespace {
 
 constexpr std::size_t kDigestBytes = Sha256Digest{}.size();
-// A lane is slower than the processor's own instructions for SHA-256: with fewer leaves than this one after the other
-// is as fast.
-constexpr std::size_t kWorthLanes = 6;
 
 struct FreeManager {
   void operator()(IMB_MGR* manager) const { free_mb_mgr(manager); }
@@ -57,13 +56,6 @@ class IdleManagers {
   std::vector<Manager> idle_;  // as many as were ever used at once
 };
 
-void AppendOneByOne(std::string_view leaves, std::string& digests) {
-  for (std::size_t at = 0; at < leaves.size(); at += kLeafBytes) {
-    const Sha256Digest digest = Sha256(leaves.substr(at, kLeafBytes));
-    digests.append(digest.begin(), digest.end());
-  }
-}
-
 void AppendSideBySide(IMB_MGR& manager, std::string_view leaves, std::string& digests) {
   const std::size_t before = digests.size();
   digests.resize(before + leaves.size() / kLeafBytes * kDigestBytes);
@@ -88,13 +80,13 @@ void AppendSideBySide(IMB_MGR& manager, std::string_view leaves, std::string& di
 
 }  // namespace
 
-void AppendLeafDigests(std::string_view leaves, std::string& digests) {
-  if (leaves.size() < kWorthLanes * kLeafBytes) return AppendOneByOne(leaves, digests);
+bool AppendInLanes(std::string_view leaves, std::string& digests) {
   static IdleManagers idle;
   Manager manager = idle.Take();
-  if (!manager) return AppendOneByOne(leaves, digests);
+  if (!manager) return false;
   AppendSideBySide(*manager, leaves, digests);
   idle.GiveBack(std::move(manager));
+  return true;
 }
 
 }  // namespace depthfarm
