@@ -46,14 +46,14 @@ class AnchoredProblem {
 
  private:
   [[nodiscard]] MatchTable Matches() const {
-    MatchTable matches;
+    MatchTableBuilder matches(1);
     for (NodeIndex node = 0; node < problem_.num_nodes; ++node) {
       for (std::size_t level = 0; level < problem_.levels.size() && node < nodes_; ++level) {
         matches.Add(level, nodes_ + static_cast<NodeIndex>(level), rewards_[level * nodes_ + node]);
       }
       matches.EndNode();
     }
-    return matches;
+    return std::move(matches).Take();
   }
 
   NodeIndex nodes_;

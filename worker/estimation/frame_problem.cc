@@ -141,7 +141,7 @@ class FrameProblem::TableFiller {
 
   // The nodes [begin, end); of each free one the levels that are at most `reach` from its own.
   [[nodiscard]] MatchTable Fill(NodeIndex begin, NodeIndex end, std::size_t reach) const {
-    MatchTable table;
+    MatchTableBuilder table(frame_.matches_per_node_);
     Row row(levels_.size(), static_cast<std::size_t>(frame_.matches_per_node_));
     for (NodeIndex node = begin; node < end; ++node) {
       if (fixed_[node] != 0) {
@@ -151,7 +151,7 @@ class FrameProblem::TableFiller {
       }
       table.EndNode();
     }
-    return table;
+    return std::move(table).Take();
   }
 
  private:
@@ -165,7 +165,7 @@ class FrameProblem::TableFiller {
     return static_cast<int>(frame_.pairs_[static_cast<std::size_t>(view_index)].size());
   }
 
-  void AddFixed(NodeIndex node, MatchTable& table) const {
+  void AddFixed(NodeIndex node, MatchTableBuilder& table) const {
     const auto level = std::lower_bound(levels_.begin(), levels_.end(), labels_[node]);
     if (level == levels_.end() || *level != labels_[node]) return;
     const int view_index = frame_.ViewOf(node);
@@ -189,7 +189,7 @@ class FrameProblem::TableFiller {
     return {own - std::min(own, reach), std::min(own + reach + 1, levels_.size())};
   }
 
-  void AddFree(NodeIndex node, const Range& range, Row& row, MatchTable& table) const {
+  void AddFree(NodeIndex node, const Range& range, Row& row, MatchTableBuilder& table) const {
     const int view_index = frame_.ViewOf(node);
     const int slots = SlotsOf(view_index);
     const std::size_t width = range.end - range.begin;

@@ -4,44 +4,47 @@
 #include <cstddef>
 #include <cstdlib>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 #include "common/base/parallel.h"
+#include "worker/optimization/path_kernels.h"
 
 namespace depthfarm {
 namespace {
 
 using Cost = std::int16_t;
 
-constexpr int kMostReward = 1000;           // of all matches of a node on a level together
-constexpr int kMostPathCost = 4000;         // four of them and three rewards fit
-constexpr std::size_t kLinesAtOnce = 8;     // rows or columns, of a thread
-constexpr std::size_t kNodesAtOnce = 1024;  // the same where each node is by itself
+constexpr int kMostReward = 1000;                              // of all matches of a node on a level together
+constexpr std::size_t kLinesAtOnce = 8;                        // rows or columns, of a thread
+constexpr std::size_t kNodesAtOnce = MatchTable::kChunkNodes;  // the same where each node is by itself
 
 class Beliefs {
  public:
   Beliefs(const LabellingProblem& problem, const std::vector<Level>& labels, int threads)
-      : problem_(problem), labels_(labels), threads_(threads), levels_(problem.levels.size()), row_(problem.num_nodes) {
-    int most = 0;
+      : problem_(problem),
+        labels_(labels),
+        threads_(threads),
+        levels_(problem.levels.size()),
+        stride_((levels_ + kPathBlock - 1) / kPathBlock * kPathBlock),
+        row_(problem.num_nodes) {
     for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
       row_[node] = num_free_;
-      if (problem.fixed[node] != 0) continue;
-      ++num_free_;
-      for (const MatchTable::Match& match : problem.matches.Of(node)) most = std::max<int>(most, match.reward);
+      num_free_ += IsFree(node) ? 1 : 0;
     }
-    while ((problem.matches_per_node * most) >> shift_ > kMostReward) ++shift_;
-    own_.resize(num_free_ * levels_);
-    paths_.resize(num_free_ * levels_);
-    for (std::size_t level = 1; level < levels_; ++level) {
-      gaps_.push_back(problem.levels[level] - problem.levels[level - 1]);
-    }
+    const int most = problem.matches_per_node * MostReward();
+    while (most >> shift_ > kMostReward) ++shift_;
+    own_ = std::make_unique_for_overwrite<Cost[]>(num_free_ * stride_);
+    paths_ = std::make_unique_for_overwrite<Cost[]>(num_free_ * stride_);
+    if (levels_ > 1) gap_ = (problem.levels.back() - problem.levels.front()) / static_cast<int>(levels_ - 1);
   }
 
   // One pass; `first`: nothing is believed yet.
   void Pass(const std::vector<SegmentGrid>& grids, bool first) {
     ForPieces(problem_.num_nodes, [&](std::size_t begin, std::size_t end) { TakeRewards(begin, end, first); });
     ForPieces(num_free_, [&](std::size_t begin, std::size_t end) {
-      std::fill(&paths_[begin * levels_], &paths_[begin * levels_] + (end - begin) * levels_, Cost{0});
+      std::fill(&paths_[begin * stride_], &paths_[begin * stride_] + (end - begin) * stride_, Cost{0});
     });
     FollowLines(grids, &SegmentGrid::rows, [](const SegmentGrid& grid, int row) {
       return Line{row * grid.columns, 1, grid.columns, grid.beta_right};
@@ -57,13 +60,13 @@ class Beliefs {
     ForPieces(problem_.num_nodes, [&](std::size_t begin, std::size_t end) {
       for (std::size_t node = begin; node < end; ++node) {
         if (!IsFree(static_cast<NodeIndex>(node))) continue;
-        const Cost* belief = &paths_[row_[node] * levels_];
+        const Cost* belief = &paths_[row_[node] * stride_];
         labels[node] = problem_.levels[static_cast<std::size_t>(std::min_element(belief, belief + levels_) - belief)];
       }
     });
   }
 
-  [[nodiscard]] LevelBeliefs Take() && { return {std::move(row_), std::move(paths_), levels_, shift_}; }
+  [[nodiscard]] LevelBeliefs Take() && { return {std::move(row_), std::move(paths_), levels_, stride_, shift_}; }
 
  private:
   [[nodiscard]] bool IsFree(NodeIndex node) const { return problem_.fixed[node] == 0; }
@@ -74,22 +77,41 @@ class Beliefs {
     ParallelForPieces(count, kNodesAtOnce, threads_, each);
   }
 
+  // Of the matches of free nodes.
+  [[nodiscard]] int MostReward() const {
+    std::mutex mutex;
+    int most = 0;
+    ForPieces(problem_.num_nodes, [&](std::size_t begin, std::size_t end) {
+      int of_piece = 0;
+      const auto look = [&](NodeIndex node, const MatchTable::Match& match) {
+        if (IsFree(node)) of_piece = std::max<int>(of_piece, match.reward);
+      };
+      problem_.matches.ForEachOf(static_cast<NodeIndex>(begin), static_cast<NodeIndex>(end), look);
+      const std::scoped_lock lock(mutex);
+      most = std::max(most, of_piece);
+    });
+    return most;
+  }
+
   // own_: minus what each level earns. Of the nodes [begin, end).
   void TakeRewards(std::size_t begin, std::size_t end, bool first) {
     for (auto node = static_cast<NodeIndex>(begin); node < end; ++node) {
       if (!IsFree(node)) continue;
-      Cost* own = &own_[row_[node] * levels_];
-      std::fill(own, own + levels_, Cost{0});
-      for (const MatchTable::Match& match : problem_.matches.Of(node)) {
-        int reward = Scaled(match.reward);
-        if (!IsFree(match.target)) {
-          if (labels_[match.target] != problem_.levels[match.level]) continue;
-        } else if (!first) {
-          reward = std::max(0, reward - paths_[row_[match.target] * levels_ + match.level]);
-        }
-        own[match.level] = static_cast<Cost>(own[match.level] - reward);
-      }
+      Cost* own = &own_[row_[node] * stride_];
+      std::fill(own, own + stride_, Cost{0});
     }
+    const auto take = [&](NodeIndex node, const MatchTable::Match& match) {
+      if (!IsFree(node)) return;
+      int reward = Scaled(match.reward);
+      if (!IsFree(match.target)) {
+        if (labels_[match.target] != problem_.levels[match.level]) return;
+      } else if (!first) {
+        reward = std::max(0, reward - paths_[row_[match.target] * stride_ + match.level]);
+      }
+      Cost& own = own_[row_[node] * stride_ + match.level];
+      own = static_cast<Cost>(own - reward);
+    };
+    problem_.matches.ForEachOf(static_cast<NodeIndex>(begin), static_cast<NodeIndex>(end), take);
   }
 
   struct Line {  // of the grid's nodes begin, begin + step, ...
@@ -115,7 +137,7 @@ class Beliefs {
   // A path that is followed, level by level.
   class Path {
    public:
-    explicit Path(Beliefs& beliefs) : all_(beliefs), path_(beliefs.levels_), rise_(beliefs.levels_) {}
+    explicit Path(Beliefs& beliefs) : all_(beliefs), path_(2 * beliefs.stride_) {}
 
     void AlongBothWays(const SegmentGrid& grid, const Line& line) {
       NodeIndex before = 0;
@@ -136,64 +158,45 @@ class Beliefs {
     // Takes the path from the node before (null: there is none) to `node`.
     void Follow(const NodeIndex* before, NodeIndex node, std::int32_t beta) {
       if (!all_.IsFree(node)) return;  // certain: what comes after it does not ask what was before it
-      const std::size_t levels = all_.levels_;
-      const Cost* own = &all_.own_[all_.row_[node] * levels];
+      const std::size_t stride = all_.stride_;
+      const Cost* own = &all_.own_[all_.row_[node] * stride];
+      Cost* sum = &all_.paths_[all_.row_[node] * stride];
       if (before == nullptr) {
-        std::copy(own, own + levels, path_.begin());
+        std::copy(own, own + stride, path_.begin());
       } else {
         const int shift = all_.shift_;
         const int scaled = (std::max(1, beta / kEnergyUnitsPerMatchStep) >> shift) + (shift > 0 ? 1 : 0);
         const int step = std::min(scaled, kMostPathCost);
         if (all_.IsFree(*before)) {
-          Spread(step);
-        } else {
-          SpreadFrom(all_.labels_[*before], step);
+          FollowPath(path_, std::min(step * all_.gap_, kMostPathCost), {own, stride}, {sum, stride});
+          return;
         }
-        for (std::size_t level = 0; level < levels; ++level) {
+        SpreadFrom(all_.labels_[*before], step);
+        for (std::size_t level = 0; level < stride; ++level) {
           path_[level] = static_cast<Cost>(path_[level] + own[level]);
         }
       }
-      Cost* sum = &all_.paths_[all_.row_[node] * levels];
-      for (std::size_t level = 0; level < levels; ++level) sum[level] = static_cast<Cost>(sum[level] + path_[level]);
+      for (std::size_t level = 0; level < stride; ++level) sum[level] = static_cast<Cost>(sum[level] + path_[level]);
     }
 
-    // path_[l] = min over l' of path_[l'] + step |l - l'|, less the least of all, at most kMostPathCost.
-    void Spread(int step_between_levels) {
-      const std::size_t levels = all_.levels_;
-      const Cost least = *std::min_element(path_.begin(), path_.end());
-      for (Cost& cost : path_) cost = static_cast<Cost>(std::min(cost - least, kMostPathCost));
-      for (std::size_t level = 0; level + 1 < levels; ++level) {
-        rise_[level] = static_cast<Cost>(std::min(step_between_levels * all_.gaps_[level], kMostPathCost));
-      }
-      Cost reached = path_[0];
-      for (std::size_t level = 1; level < levels; ++level) {
-        reached = std::min(path_[level], static_cast<Cost>(reached + rise_[level - 1]));
-        path_[level] = reached;
-      }
-      for (std::size_t level = levels - 1; level-- > 0;) {
-        reached = std::min(path_[level], static_cast<Cost>(reached + rise_[level]));
-        path_[level] = reached;
-      }
-    }
-
-    // The same of a node that is certain.
+    // What leads on from a node that is certain.
     void SpreadFrom(Level held, int step) {
       for (std::size_t level = 0; level < all_.levels_; ++level) {
         const std::int64_t distance = std::abs(int{all_.problem_.levels[level]} - int{held});
         path_[level] = static_cast<Cost>(std::min<std::int64_t>(distance * step, kMostPathCost));
       }
+      for (std::size_t level = all_.levels_; level < all_.stride_; ++level) path_[level] = kMostPathCost;
     }
 
     Beliefs& all_;
-    std::vector<Cost> path_;  // per level
-    std::vector<Cost> rise_;  // from each level to the next, of the link that is followed
+    std::vector<Cost> path_;  // per level, and as much room for FollowPath
   };
 
   // paths_: from sums of four paths, each with the node's own cost, to how much worse each level is than the best.
   void Believe(std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
-      Cost* belief = &paths_[row * levels_];
-      const Cost* own = &own_[row * levels_];
+      Cost* belief = &paths_[row * stride_];
+      const Cost* own = &own_[row * stride_];
       Cost least = std::numeric_limits<Cost>::max();
       for (std::size_t level = 0; level < levels_; ++level) {
         belief[level] = static_cast<Cost>(belief[level] - 3 * own[level]);
@@ -207,12 +210,14 @@ class Beliefs {
   const std::vector<Level>& labels_;
   int threads_;
   std::size_t levels_;
+  std::size_t stride_;              // of rows of costs: levels_, and up to a whole number of blocks
   std::vector<std::uint32_t> row_;  // of free nodes: their place among them
   std::uint32_t num_free_ = 0;
-  int shift_ = 0;            // match steps to costs
-  std::vector<Cost> own_;    // [free node][level]
-  std::vector<Cost> paths_;  // [free node][level]: in a pass sums of paths, then beliefs
-  std::vector<int> gaps_;    // from each level to the next
+  int shift_ = 0;  // match steps to costs
+  // A pass writes them before it reads them: cleared here they would cost one thread a tenth of what follows.
+  std::unique_ptr<Cost[]> own_;    // [free node][level]
+  std::unique_ptr<Cost[]> paths_;  // [free node][level]: in a pass sums of paths, then beliefs
+  int gap_ = 0;                    // from each level to the next
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <stop_token>
 #include <utility>
@@ -27,22 +28,25 @@ class LevelBeliefs {
  public:
   // Nothing is believed.
   LevelBeliefs() = default;
-  // row: per node, its place among the free ones; costs: [free node][level], in match steps / 2^shift.
-  LevelBeliefs(std::vector<std::uint32_t> row, std::vector<std::int16_t> costs, std::size_t levels, int shift)
-      : row_(std::move(row)), costs_(std::move(costs)), levels_(levels), shift_(shift) {}
+  // row: per node, its place among the free ones. costs: of each free node `stride` of them, those of the levels first,
+  // in match steps / 2^shift.
+  LevelBeliefs(std::vector<std::uint32_t> row, std::unique_ptr<std::int16_t[]> costs, std::size_t levels,
+               std::size_t stride, int shift)
+      : row_(std::move(row)), costs_(std::move(costs)), levels_(levels), stride_(stride), shift_(shift) {}
 
-  [[nodiscard]] bool empty() const { return costs_.empty(); }
+  [[nodiscard]] bool empty() const { return costs_ == nullptr; }
   // Of a free node, per level of the problem.
   [[nodiscard]] std::span<const std::int16_t> Of(NodeIndex node) const {
-    return {costs_.data() + row_[node] * levels_, levels_};
+    return {costs_.get() + row_[node] * stride_, levels_};
   }
   // What is compared with them.
   [[nodiscard]] std::int32_t Scaled(std::int32_t match_steps) const { return match_steps >> shift_; }
 
  private:
   std::vector<std::uint32_t> row_;
-  std::vector<std::int16_t> costs_;
+  std::unique_ptr<std::int16_t[]> costs_;
   std::size_t levels_ = 0;
+  std::size_t stride_ = 0;
   int shift_ = 0;
 };
 
@@ -54,6 +58,8 @@ inline constexpr int kBeliefPasses = 2;  // of the default; a third gains nothin
 // and each node's rewards as its own cost. From the second pass on a reward counts only as far as the segment that it
 // needs agrees: less what that one's belief of the level is worse than its best. Then each free node takes the level
 // that it believes in most, the farthest of equals; fixed nodes keep what `labels` holds and are certain of it.
+//
+// The problem's levels must be an equal way apart, as those of blocks are.
 //
 // Costs are 16-bit integers, so the result is the same everywhere; a cost along a path never exceeds kMostPathCost of
 // them, and rewards larger than fit are scaled down. Passes read the pass before: the order of views does not matter,

@@ -49,7 +49,7 @@ Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels
     }
   });
   BuildLinks();
-  energy_ = TotalEnergy(problem, labels);
+  energy_ = TotalEnergy(problem, labels, threads_);
 }
 
 void Expansion::BuildLinks() {

@@ -1,7 +1,10 @@
 #include "worker/optimization/labelling_problem.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
+
+#include "common/base/parallel.h"
 
 namespace depthfarm {
 
@@ -24,38 +27,51 @@ int LevelIndex(const LabellingProblem& problem, Level level) {
   return static_cast<int>(found - problem.levels.begin());
 }
 
-std::int64_t TotalEnergy(const LabellingProblem& problem, const std::vector<Level>& labels) {
-  std::int64_t energy = 0;
-  for (const SmoothnessLink& link : problem.smoothness) {
-    energy += static_cast<std::int64_t>(link.beta) * std::abs(int{labels[link.first]} - int{labels[link.second]});
-  }
-  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
-    const int level = LevelIndex(problem, labels[node]);
-    if (level < 0) continue;
-    for (const MatchTable::Match& match : problem.matches.At(node, static_cast<std::size_t>(level))) {
-      if (labels[match.target] == labels[node]) energy -= match.RewardUnits();
+std::int64_t TotalEnergy(const LabellingProblem& problem, const std::vector<Level>& labels, int threads) {
+  constexpr std::size_t kAtOnce = 1U << 14U;  // links or nodes, of a thread
+  std::atomic<std::int64_t> energy = 0;
+  ParallelForPieces(problem.smoothness.size(), kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    std::int64_t sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const SmoothnessLink& link = problem.smoothness[i];
+      sum += static_cast<std::int64_t>(link.beta) * std::abs(int{labels[link.first]} - int{labels[link.second]});
     }
-  }
+    energy += sum;
+  });
+  ParallelForPieces(problem.num_nodes, kAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    std::int64_t sum = 0;
+    for (auto node = static_cast<NodeIndex>(begin); node < end; ++node) {
+      const int level = LevelIndex(problem, labels[node]);
+      if (level < 0) continue;
+      for (const MatchTable::Match& match : problem.matches.At(node, static_cast<std::size_t>(level))) {
+        if (labels[match.target] == labels[node]) sum += match.RewardUnits();
+      }
+    }
+    energy -= sum;
+  });
   return energy;
 }
 
 void WinnerTakesAll(const LabellingProblem& problem, std::vector<Level>& labels) {
-  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
-    if (problem.fixed[node] != 0) continue;
-    std::size_t best_level = 0;
-    std::int32_t best = 0;
+  struct Best {
     std::size_t level = 0;
     std::int32_t reward = 0;
-    for (const MatchTable::Match& match : problem.matches.Of(node)) {
-      if (match.level != level) reward = 0;
-      level = match.level;
-      reward += match.reward;
-      if (reward > best) {
-        best = reward;
-        best_level = level;
-      }
+    std::size_t last_level = 0;  // that was seen, and its rewards so far
+    std::int32_t sum = 0;
+  };
+  std::vector<Best> best_of(problem.num_nodes);
+  problem.matches.ForEachOf(0, problem.num_nodes, [&](NodeIndex node, const MatchTable::Match& match) {
+    Best& best = best_of[node];
+    if (match.level != best.last_level) best.sum = 0;
+    best.last_level = match.level;
+    best.sum += match.reward;
+    if (best.sum > best.reward) {
+      best.reward = best.sum;
+      best.level = match.level;
     }
-    labels[node] = problem.levels[best_level];
+  });
+  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
+    if (problem.fixed[node] == 0) labels[node] = problem.levels[best_of[node].level];
   }
 }
 

@@ -38,7 +38,8 @@ struct LabellingProblem {
 
 // E of eq. (1) from scratch: sum of V over all links and of -reward over all matches whose ends agree. Matches of fixed
 // nodes on levels outside problem.levels are not counted (no move can change them). Energy units.
-[[nodiscard]] std::int64_t TotalEnergy(const LabellingProblem& problem, const std::vector<Level>& labels);
+[[nodiscard]] std::int64_t TotalEnergy(const LabellingProblem& problem, const std::vector<Level>& labels,
+                                       int threads = 1);
 
 // The start of the optimisation: each free node takes the level with the largest sum of rewards, the farthest of
 // equals. Fixed nodes keep what `labels` holds.

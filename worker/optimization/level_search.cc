@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 
+#include "common/base/parallel.h"
 #include "common/base/thread_budget.h"
 #include "worker/optimization/expansion.h"
 
@@ -69,17 +70,27 @@ void Conclude(const Expansion& expansion, const std::stop_token& stop, SearchSum
 
 // For each k-th level, from k / 2 on, the free nodes that believe it plausible or one of the k around it.
 std::vector<std::vector<NodeIndex>> WhoBelieves(const LabellingProblem& problem, const LevelBeliefs& beliefs,
-                                                std::size_t stride) {
+                                                std::size_t stride, int threads) {
+  constexpr std::size_t kNodesAtOnce = 1U << 14U;  // of a thread
   const std::size_t num_levels = problem.levels.size();
   const std::int32_t most = beliefs.Scaled(kPlausible);
-  std::vector<std::vector<NodeIndex>> believers((num_levels + stride - 1 - stride / 2) / stride);
-  for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
-    if (problem.fixed[node] != 0) continue;
-    const std::span<const std::int16_t> costs = beliefs.Of(node);
-    for (std::size_t i = 0; i < believers.size(); ++i) {
-      const auto around = costs.subspan(i * stride, std::min(stride, num_levels - i * stride));
-      if (*std::min_element(around.begin(), around.end()) <= most) believers[i].push_back(node);
+  using Believers = std::vector<std::vector<NodeIndex>>;
+  Believers believers((num_levels + stride - 1 - stride / 2) / stride);
+  std::vector<Believers> pieces((problem.num_nodes + kNodesAtOnce - 1) / kNodesAtOnce, believers);
+  ParallelForPieces(problem.num_nodes, kNodesAtOnce, threads, [&](std::size_t begin, std::size_t end) {
+    Believers& of_piece = pieces[begin / kNodesAtOnce];
+    for (auto node = static_cast<NodeIndex>(begin); node < end; ++node) {
+      if (problem.fixed[node] != 0) continue;
+      const std::span<const std::int16_t> costs = beliefs.Of(node);
+      for (std::size_t i = 0; i < of_piece.size(); ++i) {
+        const auto around = costs.subspan(i * stride, std::min(stride, num_levels - i * stride));
+        if (*std::min_element(around.begin(), around.end()) <= most) of_piece[i].push_back(node);
+      }
     }
+  });
+  for (const Believers& of_piece : pieces) {
+    for (std::size_t i = 0; i < believers.size(); ++i)
+      believers[i].insert(believers[i].end(), of_piece[i].begin(), of_piece[i].end());
   }
   return believers;
 }
@@ -98,7 +109,7 @@ SearchSummary SearchSparsely(const LabellingProblem& problem, LevelBeliefs belie
       num_levels <= kFewLevels ? 1 : std::clamp<std::size_t>(num_levels / kFullLevels, 1, kMostStride);
   std::vector<std::vector<NodeIndex>> believers;
   const bool all = beliefs.empty() || num_levels <= kFewLevels;
-  if (!all) believers = WhoBelieves(problem, beliefs, stride);
+  if (!all) believers = WhoBelieves(problem, beliefs, stride, threads);
   beliefs = {};  // their memory is as much as all matches take
   Expansion expansion(problem, labels, WorthStarting(problem, threads));
   SearchSummary summary;

@@ -1,26 +1,9 @@
 #include "worker/optimization/match_table.h"
 
-#include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace depthfarm {
-
-void MatchTable::EndNode() {
-  if (num_nodes_ % kChunkNodes == 0) {
-    if (!chunks_.empty()) chunks_.back().matches.shrink_to_fit();
-    chunks_.emplace_back();
-    chunks_.back().begin.reserve(kChunkNodes + 1);
-    chunks_.back().levels.reserve(kChunkNodes);
-  }
-  Chunk& chunk = chunks_.back();
-  chunk.begin.push_back(chunk.begin.back() + static_cast<std::uint32_t>(open_.size()));
-  std::uint64_t levels = 0;
-  for (const Match& match : open_) levels |= std::uint64_t{1} << (match.level % 64U);
-  chunk.levels.push_back(levels);
-  chunk.matches.insert(chunk.matches.end(), open_.begin(), open_.end());
-  open_.clear();
-  ++num_nodes_;
-}
 
 void MatchTable::Append(MatchTable part) {
   num_nodes_ += part.num_nodes_;
@@ -33,15 +16,67 @@ std::size_t MatchTable::size() const {
   return size;
 }
 
-std::span<const MatchTable::Match> MatchTable::At(NodeIndex node, std::size_t level) const {
-  const std::uint64_t levels = chunks_[node / kChunkNodes].levels[node % kChunkNodes];
-  if ((levels >> (level % 64) & 1) == 0) return {};
-  const std::span<const Match> all = Of(node);
-  const auto below = [](const Match& match, std::size_t bound) { return match.level < bound; };
-  const auto begin = std::lower_bound(all.begin(), all.end(), level, below);
-  auto end = begin;
-  while (end != all.end() && end->level == level) ++end;
-  return {begin, end};
+MatchTableBuilder::MatchTableBuilder(int most_per_level)
+    : slot_bits_(static_cast<unsigned>(std::bit_width(static_cast<unsigned>(std::clamp(most_per_level, 1, 64)) - 1))) {}
+
+void MatchTableBuilder::EndNode() {
+  ends_.push_back(open_.size());
+  if (ends_.size() == MatchTable::kChunkNodes) EndChunk();
+}
+
+MatchTable MatchTableBuilder::Take() && {
+  if (!ends_.empty()) EndChunk();
+  return std::move(table_);
+}
+
+void MatchTableBuilder::EndChunk() {
+  constexpr std::size_t kWordBits = MatchTable::kWordBits;
+  MatchTable::Chunk& chunk = table_.chunks_.emplace_back();
+  table_.num_nodes_ += static_cast<NodeIndex>(ends_.size());
+  chunk.slot_bits = slot_bits_;
+  if (!open_.empty()) {
+    const auto by_level = [](const MatchTable::Match& a, const MatchTable::Match& b) { return a.level < b.level; };
+    const auto [lowest, highest] = std::minmax_element(open_.begin(), open_.end(), by_level);
+    chunk.first_level = lowest->level;
+    chunk.levels.resize(highest->level - chunk.first_level + 1);
+    next_.assign(chunk.levels.size(), 0);
+    for (const MatchTable::Match& match : open_) ++next_[match.level - chunk.first_level];
+    const std::size_t words_of_level = ((ends_.size() << slot_bits_) + kWordBits - 1) / kWordBits;
+    std::uint32_t matches = 0;
+    std::size_t words = 0;
+    for (std::size_t level = 0; level < chunk.levels.size(); ++level) {
+      const std::uint32_t count = std::exchange(next_[level], matches);
+      if (count == 0) continue;
+      chunk.levels[level] = {.matches = matches, .words = static_cast<std::uint32_t>(words)};
+      matches += count;
+      words += words_of_level;
+    }
+    chunk.matches.resize(open_.size());
+    chunk.slots.resize(words);
+    chunk.before.resize(words);
+    auto match = open_.cbegin();
+    for (std::size_t node = 0; node < ends_.size(); ++node) {
+      const auto end = open_.cbegin() + static_cast<std::ptrdiff_t>(ends_[node]);
+      std::size_t slot = 0;
+      for (std::size_t level = chunk.levels.size(); match != end; ++match) {
+        slot = match->level - chunk.first_level == level ? slot + 1 : 0;
+        level = match->level - chunk.first_level;
+        const std::size_t bit = (node << slot_bits_) + slot;
+        chunk.slots[chunk.levels[level].words + bit / kWordBits] |= std::uint64_t{1} << (bit % kWordBits);
+        chunk.matches[next_[level]++] = *match;
+      }
+    }
+    for (const MatchTable::LevelOfChunk& level : chunk.levels) {
+      if (level.words == MatchTable::kNone) continue;
+      int sum = 0;
+      for (std::size_t word = level.words; word < level.words + words_of_level; ++word) {
+        chunk.before[word] = static_cast<std::uint16_t>(sum);
+        sum += std::popcount(chunk.slots[word]);
+      }
+    }
+  }
+  open_.clear();
+  ends_.clear();
 }
 
 }  // namespace depthfarm

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/geometry/neighbours.h"
+#include "tests/support/match_lists.h"
 #include "tests/support/rendered_sequence.h"
 #include "worker/cost/uniqueness.h"
 
@@ -124,7 +125,7 @@ TEST(FrameProblem, MatchesAreTheSameWhateverLevelsAPartHas) {
       }
       EXPECT_THAT(all.At(node, level), ElementsAreArray(expected));
       for (MatchTable::Match& match : expected) match.level = 0;
-      EXPECT_THAT(part.Of(node), ElementsAreArray(expected));
+      EXPECT_THAT(test::MatchesOf(part, node), ElementsAreArray(expected));
     }
   }
 }
@@ -178,7 +179,7 @@ TEST(FrameProblem, MatchesBetweenFixedNodesAreLeftOut) {
       const MatchLink& match = own[node * width + slot];
       if (match.reward != 0) expected.push_back({match.target, match.reward, 0});
     }
-    EXPECT_THAT(table.Of(node), ElementsAreArray(expected));
+    EXPECT_THAT(test::MatchesOf(table, node), ElementsAreArray(expected));
   }
 }
 
@@ -193,11 +194,11 @@ TEST(FrameProblem, MatchesNearAreThoseOnLevelsWithinReach) {
     const MatchTable near = frame.MatchesNear(AllLevels(), reach, NoneFixed(frame), labels, {});
     for (NodeIndex node = 0; node < frame.num_nodes(); ++node) {
       std::vector<MatchTable::Match> expected;
-      for (const MatchTable::Match& match : all.Of(node)) {
+      for (const MatchTable::Match& match : test::MatchesOf(all, node)) {
         const int apart = std::abs(int{match.level} - int{labels[node]});
         if (static_cast<std::size_t>(apart) <= reach) expected.push_back(match);
       }
-      ASSERT_THAT(near.Of(node), ElementsAreArray(expected));
+      ASSERT_THAT(test::MatchesOf(near, node), ElementsAreArray(expected));
     }
   }
 }

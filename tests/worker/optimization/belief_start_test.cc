@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "tests/support/match_lists.h"
 #include "tests/support/random_problem.h"
 
 namespace depthfarm {
@@ -58,7 +59,7 @@ class Plain {
 
   Costs Own(NodeIndex node, bool first) const {
     Costs own(problem_.levels.size(), 0);
-    for (const MatchTable::Match& match : problem_.matches.Of(node)) {
+    for (const MatchTable::Match& match : test::MatchesOf(problem_.matches, node)) {
       long reward = match.reward;
       if (problem_.fixed[match.target] != 0) {
         if (labels_[match.target] != problem_.levels[match.level]) reward = 0;
@@ -157,10 +158,12 @@ TEST(BeliefStart, TheLargestRewardsAndDistancesFit) {
     problem.levels = {0, 65533};
     problem.matches_per_node = 16;
     problem.fixed = {0, 0, 0, 1};
+    MatchTableBuilder matches(16);
     for (NodeIndex node = 0; node < 4; ++node) {
-      for (int slot = 0; slot < 16; ++slot) problem.matches.Add(node == 1 ? 0 : 1, (node + 1) % 3, reward);
-      problem.matches.EndNode();
+      for (int slot = 0; slot < 16; ++slot) matches.Add(node == 1 ? 0 : 1, (node + 1) % 3, reward);
+      matches.EndNode();
     }
+    problem.matches = std::move(matches).Take();
     SegmentGrid grid{.first = 0, .columns = 4, .rows = 1, .beta_right = {}, .beta_down = {}};
     grid.beta_right.assign(4, 1 << 24);
     grid.beta_down.assign(4, 1 << 24);
@@ -178,10 +181,12 @@ TEST(BeliefStart, AStrongLinkIsNeverAWeakOne) {
     problem.levels = {0, 1, 2};
     problem.matches_per_node = 1;
     problem.fixed.assign(6, 0);
+    MatchTableBuilder matches(1);
     for (NodeIndex node = 0; node < 6; ++node) {
-      problem.matches.Add(node == 3 ? 2 : 1, (node + 1) % 6, 270);
-      problem.matches.EndNode();
+      matches.Add(node == 3 ? 2 : 1, (node + 1) % 6, 270);
+      matches.EndNode();
     }
+    problem.matches = std::move(matches).Take();
     SegmentGrid grid{.first = 0, .columns = 6, .rows = 1, .beta_right = {}, .beta_down = {}};
     grid.beta_right.assign(6, beta);
     grid.beta_down.assign(6, beta);

@@ -46,9 +46,11 @@ LevelBeliefs RandomBeliefs(Random& random, const LabellingProblem& problem, int 
     row.push_back(free);
     free += fixed == 0 ? 1 : 0;
   }
-  std::vector<std::int16_t> costs(free * problem.levels.size());
-  for (std::int16_t& cost : costs) cost = static_cast<std::int16_t>(random.Int(0, 4 * kPlausible) >> shift);
-  return {std::move(row), std::move(costs), problem.levels.size(), shift};
+  const std::size_t stride = problem.levels.size() + 3;
+  auto costs = std::make_unique<std::int16_t[]>(free * stride);
+  for (std::size_t i = 0; i < free * stride; ++i)
+    costs[i] = static_cast<std::int16_t>(random.Int(0, 4 * kPlausible) >> shift);
+  return {std::move(row), std::move(costs), problem.levels.size(), stride, shift};
 }
 
 void MoveNear(Expansion& expansion, std::size_t levels, std::size_t band, std::int64_t& moves) {
@@ -68,8 +70,11 @@ TEST(SearchSparsely, TriesLevelsInItsOrder) {
       SCOPED_TRACE(expected.levels);
       Random random(static_cast<std::uint64_t>(expected.levels));
       const RandomProblem p = MakeRandomProblem(random, 40, 3, expected.levels, 10);
-      LevelBeliefs beliefs;
-      if (shift >= 0) beliefs = RandomBeliefs(random, p.problem, shift);
+      const auto believe = [&] {
+        Random of_beliefs(static_cast<std::uint64_t>(shift + 1));
+        return shift >= 0 ? RandomBeliefs(of_beliefs, p.problem, shift) : LevelBeliefs();
+      };
+      const LevelBeliefs beliefs = believe();
       std::vector<Level> plain = p.labels;
       Expansion expansion(p.problem, plain);
       const std::size_t levels = p.problem.levels.size();
@@ -94,12 +99,12 @@ TEST(SearchSparsely, TriesLevelsInItsOrder) {
       EXPECT_GT(movers, 0U);
       MoveNear(expansion, levels, 3, moves);
       std::vector<Level> labels = p.labels;
-      const SearchSummary summary = SearchSparsely(p.problem, beliefs, labels, {});
+      const SearchSummary summary = SearchSparsely(p.problem, believe(), labels, {});
       EXPECT_EQ(labels, plain);
       EXPECT_EQ(summary.moves, moves);
       EXPECT_GT(moves, expected.levels > 1 ? 0 : -1);
       std::vector<Level> again = p.labels;
-      (void)SearchSparsely(p.problem, beliefs, again, {});
+      (void)SearchSparsely(p.problem, believe(), again, {});
       EXPECT_EQ(again, labels);
     }
   }
@@ -112,7 +117,7 @@ TEST(SearchSparsely, NeverRaisesTheEnergyAndTracksIt) {
     std::vector<Level> labels = p.labels;
     LevelBeliefs beliefs;
     if (seed % 2 == 0) beliefs = RandomBeliefs(random, p.problem, 0);
-    const SearchSummary summary = SearchSparsely(p.problem, beliefs, labels, {});
+    const SearchSummary summary = SearchSparsely(p.problem, std::move(beliefs), labels, {});
     EXPECT_EQ(summary.energy, test::EnergyPlainly(p.problem, labels)) << "seed " << seed;
     EXPECT_LE(summary.energy, test::EnergyPlainly(p.problem, p.labels)) << "seed " << seed;
     for (NodeIndex node = 0; node < p.problem.num_nodes; ++node) {
@@ -151,16 +156,17 @@ TEST(SearchSparsely, FindsTheSameLabelsOnAnyNumberOfThreads) {
   problem.view_begin = {0, 12000};
   Random random(7);
   std::vector<Level> start;
+  MatchTableBuilder matches(1);
   for (NodeIndex node = 0; node < problem.num_nodes; ++node) {
     const NodeIndex other = (node + 12000 + static_cast<NodeIndex>(random.Int(0, 40))) % problem.num_nodes;
-    for (const std::size_t level : {1, 3})
-      problem.matches.Add(level, other, static_cast<std::uint16_t>(random.Int(0, 270)));
-    problem.matches.EndNode();
+    for (const std::size_t level : {1, 3}) matches.Add(level, other, static_cast<std::uint16_t>(random.Int(0, 270)));
+    matches.EndNode();
     for (const NodeIndex step : {1U, 100U}) {
       if (node % 12000 + step < 12000) problem.smoothness.push_back({node, node + step, 2 * random.Int(1, 4000)});
     }
     start.push_back(static_cast<Level>(random.Int(0, 4)));
   }
+  problem.matches = std::move(matches).Take();
   std::vector<Level> one = start;
   const SearchSummary summary = SearchSparsely(problem, {}, one, {});
   EXPECT_GT(summary.moves, 0);
