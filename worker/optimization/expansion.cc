@@ -27,9 +27,8 @@ Expansion::Expansion(const LabellingProblem& problem, std::vector<Level>& labels
       width_(static_cast<std::size_t>(std::max(problem.matches_per_node, 1))),
       threads_(std::clamp(threads, 1, kMostThreads)),
       held_(problem.num_nodes * width_),
-      moves_(problem.num_nodes, 0),
-      gathered_(problem.num_nodes, 0),
-      in_graph_(problem.num_nodes) {
+      moves_(problem.num_nodes),
+      gathered_(problem.num_nodes, 0) {
   const auto is_free = [&](NodeIndex node) { return problem.fixed[node] == 0; };
   const int num_parts = threads_ > 1 ? std::min(threads_ * kPartsOfThread, kMostParts) : 1;
   if (num_parts > 1) part_of_ = BandsOf(problem, num_parts);
@@ -123,7 +122,7 @@ void Expansion::ChooseMovers(Part& part, std::span<const NodeIndex> nodes, const
   part.movers.clear();
   for (const NodeIndex node : nodes) {
     if (problem_.fixed[node] != 0 || labels_[node] == move.alpha) continue;
-    moves_[node] = time_;
+    moves_[node].time = time_;
     part.movers.push_back(node);
   }
 }
@@ -140,7 +139,7 @@ void Expansion::BeginGraph() {
   ForParts([&](Part& part) {
     part.shares.clear();
     for (std::size_t i = 0; i < part.movers.size(); ++i) {
-      in_graph_[part.movers[i]] = part.first + static_cast<MaxFlow::Node>(i);
+      moves_[part.movers[i]].number = part.first + static_cast<MaxFlow::Node>(i);
       terminal_[part.first + i] = 0;
     }
   });

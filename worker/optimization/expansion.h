@@ -71,6 +71,11 @@ class Expansion {
     std::size_t level = 0;
     Level alpha = 0;
   };
+  // The last move in which a node was a mover, and its number in that move's graph; one read for both.
+  struct Mover {
+    std::uint32_t time = 0;
+    MaxFlow::Node number = 0;
+  };
   // What a node of one part adds to the terminal of another's.
   struct Share {
     MaxFlow::Node node = 0;
@@ -108,7 +113,7 @@ class Expansion {
   void AddMatchOfConstant(Part& part, NodeIndex node, const MatchLink& match, const Move& move);
   // `node` moves.
   void AddToTerminal(Part& part, NodeIndex node, std::int64_t weight) {
-    const MaxFlow::Node number = in_graph_[node];
+    const MaxFlow::Node number = moves_[node].number;
     if (number - part.first < part.movers.size()) {
       terminal_[number] += weight;
     } else {
@@ -126,9 +131,9 @@ class Expansion {
   [[nodiscard]] Part& PartOf(NodeIndex node) { return parts_[part_of_.empty() ? 0 : part_of_[node]]; }
   std::int64_t Solve(const Move& move);
 
-  [[nodiscard]] bool Moves(NodeIndex node) const { return moves_[node] == time_; }
-  [[nodiscard]] std::int64_t& Terminal(NodeIndex node) { return terminal_[in_graph_[node]]; }
-  [[nodiscard]] MaxFlow::Node InGraph(NodeIndex node) const { return in_graph_[node]; }
+  [[nodiscard]] bool Moves(NodeIndex node) const { return moves_[node].time == time_; }
+  [[nodiscard]] std::int64_t& Terminal(NodeIndex node) { return terminal_[moves_[node].number]; }
+  [[nodiscard]] MaxFlow::Node InGraph(NodeIndex node) const { return moves_[node].number; }
   [[nodiscard]] NodeIndex HolderOf(Place place) const { return place / static_cast<Place>(width_); }
 
   const LabellingProblem& problem_;
@@ -149,9 +154,8 @@ class Expansion {
 
   // Of the current move.
   std::uint32_t time_ = 0;
-  std::vector<std::uint32_t> moves_;     // per node: the last move in which it was a mover
+  std::vector<Mover> moves_;             // per node
   std::vector<std::uint32_t> gathered_;  // per node: the last move in which it was gathered
-  std::vector<MaxFlow::Node> in_graph_;  // per node: its number in the graph, if it moves
   MaxFlow::Node num_movers_ = 0;
   std::vector<std::int64_t> terminal_;  // per mover: the linear coefficient of its x; only grows
   MaxFlow flow_;

@@ -64,10 +64,27 @@ void MaxFlow::Push::PushAll() {
   }
 }
 
-bool MaxFlow::Push::IsNextToSink(Node node) const {
-  for (Arc a = nodes_[node].first; a != EndOf(node); ++a)
-    if (arcs_[a].residual != 0 && Sees(arcs_[a].head) && labels_[arcs_[a].head] == 0) return true;
-  return false;
+bool MaxFlow::Push::ReachNeighbours(Node node) {
+  const std::size_t known = region_.size();
+  for (Arc a = nodes_[node].first; a != EndOf(node); ++a) {
+    const Node other = arcs_[a].head;
+    if (arcs_[a].residual == 0 || !Sees(other) || labels_[other] >= kCut) continue;
+    if (labels_[other] == 0) {
+      region_.resize(known);
+      return false;
+    }
+    region_.push_back(other);
+  }
+  // Several arcs may lead to one.
+  std::size_t kept = known;
+  for (std::size_t i = known; i < region_.size(); ++i) {
+    const Node other = region_[i];
+    if (labels_[other] == kUnknown) continue;
+    labels_[other] = kUnknown;
+    region_[kept++] = other;
+  }
+  region_.resize(kept);
+  return true;
 }
 
 void MaxFlow::Push::FindLabels(std::size_t begin) {
@@ -79,20 +96,9 @@ void MaxFlow::Push::FindLabels(std::size_t begin) {
   for (std::size_t i = 0; i < region_.size(); ++i) {  // it gets more meanwhile
     FetchAhead(region_, i);
     const Node node = region_[i];
-    const Arc first = nodes_[node].first;
-    const Arc end = EndOf(node);
-    nodes_[node].current = first;
-    arcs_of_region_ += end - first;
-    if (IsNextToSink(node)) {
-      labelled_.push_back(node);
-      continue;
-    }
-    for (Arc a = first; a != end; ++a) {
-      const Node other = arcs_[a].head;
-      if (arcs_[a].residual == 0 || !Sees(other) || labels_[other] >= kCut) continue;
-      labels_[other] = kUnknown;
-      region_.push_back(other);
-    }
+    nodes_[node].current = nodes_[node].first;
+    arcs_of_region_ += EndOf(node) - nodes_[node].first;
+    if (!ReachNeighbours(node)) labelled_.push_back(node);
   }
   // From the sink back, a step at a time.
   for (const Node node : labelled_) labels_[node] = 1;

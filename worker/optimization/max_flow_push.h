@@ -29,8 +29,9 @@ class MaxFlow::Push {
   void PushToNeighbours(Node node);
   // Until nothing that nodes of the queue have has a way to the sink.
   void PushAll();
-  // Whether it has a way of one arc to a node that takes something.
-  [[nodiscard]] bool IsNextToSink(Node node) const;
+  // Of FindLabels: adds the nodes that an arc of `node` leads to and that are not in the region. None, and false, where
+  // one of them takes something. Inline because FindLabels is a third slower where it is not.
+  [[gnu::always_inline]] inline bool ReachNeighbours(Node node);
   // Finds the labels of all nodes that what the queue has from `begin` on comes to on its ways to the sink, and leaves
   // those of the queue that have a way. Work: of these nodes alone. Behind one that is next to the sink nodes keep the
   // labels they have, which are never too large: most of what comes there goes no farther.
