@@ -29,19 +29,18 @@ constexpr double kAnalysedShareOfPFrame = 0.45;  // segments of what stands stil
 
 // Estimate, a segment: what every part does anew, and what it does for each of its levels. Sparse: 34 to 250 levels in
 // one to four parts fit within 15 %; of few levels each is for everybody, which photographs ask twice as much of as
-// scenes do (llff_fern and hci_antinous, 25 levels, 28 and 30 us a segment, arc 301 10 us), so that 33 levels take less
-// than 32. Where only each k-th level is tried first (SearchStep), the other levels cost no more than kNearLevel: 5
-// views of 1920x1080, 100,000 segments and 250 levels, k = 3. Full: a sweep over 8 levels, and with every match in full
-// (uniqueness 0) over 250.
-constexpr double kSparseSegment = 3.0 * kMicro;
-constexpr double kSparseLevel = 0.105 * kMicro;
+// scenes do (llff_fern, 25 levels, 22 us a segment, arc 301 8 us), so that 33 levels take less than 32. Where only each
+// k-th level is tried first (SearchStep), the other levels cost no more than kNearLevel: 5 views of 1920x1080, 100,000
+// segments and 250 levels, k = 3. Full: a sweep over 8 levels, and with every match in full (uniqueness 0) over 250.
+constexpr double kSparseSegment = 2.8 * kMicro;
+constexpr double kSparseLevel = 0.07 * kMicro;
 constexpr double kFewLevels = 32;  // as in worker/optimization/level_search.cc
-constexpr double kFewLevel = 0.32 * kMicro;
-constexpr double kNearLevel = 0.023 * kMicro;
+constexpr double kFewLevel = 0.27 * kMicro;
+constexpr double kNearLevel = 0.02 * kMicro;
 constexpr double kMatchLevel = 0.02 * kMicro;  // for each neighbour
 constexpr double kFullSegment = 0.5 * kMicro;
-constexpr double kSweptLevel = 0.39 * kMicro;
-constexpr double kSweptLevelOfAllMatches = 0.33 * kMicro;
+constexpr double kSweptLevel = 0.38 * kMicro;
+constexpr double kSweptLevelOfAllMatches = 0.2 * kMicro;
 constexpr int kSweepsUntilNothingChanges = 6;  // measured with the preset paper
 
 // Merge, a segment: 1.5 us with 34 levels, 2.7 us with 250.

@@ -80,7 +80,8 @@ class Plain {
     const int from_x = x - dx;
     const int from_y = y - dy;
     if (from_x < 0 || from_y < 0 || from_x >= grid.columns || from_y >= grid.rows) return path;
-    const auto link = static_cast<std::size_t>(std::min(from_y, y) * grid.columns + std::min(from_x, x));
+    const auto link = static_cast<std::size_t>(std::min(from_y, y)) * static_cast<std::size_t>(grid.columns) +
+                      static_cast<std::size_t>(std::min(from_x, x));
     const long step = std::max(1, (dx != 0 ? grid.beta_right : grid.beta_down)[link] / kEnergyUnitsPerMatchStep);
     const NodeIndex before = at(from_x, from_y);
     Costs came(problem_.levels.size(), 0);
