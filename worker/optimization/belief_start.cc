@@ -16,9 +16,9 @@ namespace {
 
 using Cost = std::int16_t;
 
-constexpr int kMostReward = 1000;                              // of all matches of a node on a level together
-constexpr std::size_t kLinesAtOnce = 8;                        // rows or columns, of a thread
-constexpr std::size_t kNodesAtOnce = MatchTable::kChunkNodes;  // the same where each node is by itself
+constexpr int kMostReward = 1000;           // of all matches of a node on a level together
+constexpr std::size_t kLinesAtOnce = 8;     // rows or columns, of a thread
+constexpr std::size_t kNodesAtOnce = 1024;  // the same where each node is by itself
 
 class Beliefs {
  public:

@@ -17,7 +17,8 @@ std::size_t MatchTable::size() const {
 }
 
 MatchTableBuilder::MatchTableBuilder(int most_per_level)
-    : slot_bits_(static_cast<unsigned>(std::bit_width(static_cast<unsigned>(std::clamp(most_per_level, 1, 64)) - 1))) {}
+    : slot_bits_(static_cast<unsigned>(
+          std::bit_width(static_cast<unsigned>(std::clamp(most_per_level, 1, MatchTable::kMostPerLevel)) - 1))) {}
 
 void MatchTableBuilder::EndNode() {
   ends_.push_back(open_.size());

@@ -39,7 +39,8 @@ class MatchTable {
     [[nodiscard]] std::int32_t RewardUnits() const { return reward * kEnergyUnitsPerMatchStep; }
     bool operator==(const Match&) const = default;
   };
-  static constexpr NodeIndex kChunkNodes = 1024;
+  static constexpr NodeIndex kChunkNodes = 4096;  // smaller ones leave the process with more memory than it uses
+  static constexpr int kMostPerLevel = 16;        // matches of a node on a level: of a view's neighbours
 
   // Appends the nodes of `part`. Only where this table is empty or a whole number of chunks.
   void Append(MatchTable part);
@@ -99,6 +100,7 @@ class MatchTable {
     unsigned slot_bits = 0;
     std::vector<std::uint64_t> slots;
     std::vector<std::uint16_t> before;  // of each word: matches on its level in words before it
+    static_assert(kChunkNodes * kMostPerLevel - kWordBits <= std::numeric_limits<std::uint16_t>::max());
     bool operator==(const Chunk&) const = default;
   };
 
@@ -134,7 +136,7 @@ class MatchTable {
 // Makes a table node by node.
 class MatchTableBuilder {
  public:
-  // most_per_level: matches of a node on one level at most, 1 to 64.
+  // most_per_level: matches of a node on one level at most, 1 to kMostPerLevel.
   explicit MatchTableBuilder(int most_per_level);
 
   // To the node that is being appended, levels ascending; one without a reward is left out. At most most_per_level of

@@ -78,7 +78,7 @@ MatchTable TableOf(const std::vector<std::vector<Match>>& lists, std::size_t beg
 }
 
 TEST(MatchTable, GivesBackWhatWasAddedInItsOrder) {
-  for (const int most : {1, 2, 3, 4, 5, 16, 64}) {
+  for (const int most : {1, 2, 3, 4, 5, MatchTable::kMostPerLevel}) {
     SCOPED_TRACE(most);
     Random random(static_cast<std::uint64_t>(most));
     const NodeIndex nodes = MatchTable::kChunkNodes + 100;
@@ -88,7 +88,7 @@ TEST(MatchTable, GivesBackWhatWasAddedInItsOrder) {
     for (NodeIndex node = 0; node < nodes; ++node) {
       size += lists[node].size();
       ASSERT_THAT(MatchesOf(table, node), ElementsAreArray(lists[node]));
-      for (std::size_t level = 0; level < 230; ++level) {
+      for (std::size_t level = node % 7; level < 230; level += 7) {
         std::vector<Match> expected;
         for (const Match& match : lists[node])
           if (match.level == level) expected.push_back(match);
@@ -101,11 +101,18 @@ TEST(MatchTable, GivesBackWhatWasAddedInItsOrder) {
 
 TEST(MatchTable, VisitsEachMatchOfARangeOnce) {
   Random random(1);
-  const NodeIndex nodes = 3 * MatchTable::kChunkNodes - 7;
+  constexpr NodeIndex chunk = MatchTable::kChunkNodes;
+  const NodeIndex nodes = 3 * chunk - 7;
   const std::vector<std::vector<Match>> lists = RandomLists(random, nodes, 3);
   const MatchTable table = TableOf(lists, 0, nodes, 3);
-  for (const auto& [begin, end] : std::vector<std::pair<NodeIndex, NodeIndex>>{
-           {0, nodes}, {0, 0}, {13, 14}, {15, 18}, {1000, 2100}, {1024, 2048}, {2047, nodes}}) {
+  for (const auto& [begin, end] : std::vector<std::pair<NodeIndex, NodeIndex>>{{0, nodes},
+                                                                               {0, 0},
+                                                                               {13, 14},
+                                                                               {15, 18},
+                                                                               {1000, 2100},
+                                                                               {chunk - 1, 2 * chunk + 5},
+                                                                               {chunk, 2 * chunk},
+                                                                               {2 * chunk - 1, nodes}}) {
     std::vector<std::vector<Match>> visited(nodes);
     table.ForEachOf(begin, end, [&](NodeIndex node, const Match& match) { visited[node].push_back(match); });
     for (NodeIndex node = 0; node < nodes; ++node) {
