@@ -214,7 +214,7 @@ class Beliefs {
   std::vector<std::uint32_t> row_;  // of free nodes: their place among them
   std::uint32_t num_free_ = 0;
   int shift_ = 0;  // match steps to costs
-  // A pass writes them before it reads them: cleared here they would cost one thread a tenth of what follows.
+  // A pass writes them before it reads them: not cleared here, which one thread would do while the others wait.
   std::unique_ptr<Cost[]> own_;    // [free node][level]
   std::unique_ptr<Cost[]> paths_;  // [free node][level]: in a pass sums of paths, then beliefs
   int gap_ = 0;                    // from each level to the next

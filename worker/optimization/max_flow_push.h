@@ -30,7 +30,7 @@ class MaxFlow::Push {
   // Until nothing that nodes of the queue have has a way to the sink.
   void PushAll();
   // Of FindLabels: adds the nodes that an arc of `node` leads to and that are not in the region. None, and false, where
-  // one of them takes something. Inline because FindLabels is a third slower where it is not.
+  // one of them takes something. Inline: FindLabels is slower where it is a call.
   [[gnu::always_inline]] inline bool ReachNeighbours(Node node);
   // Finds the labels of all nodes that what the queue has from `begin` on comes to on its ways to the sink, and leaves
   // those of the queue that have a way. Work: of these nodes alone. Behind one that is next to the sink nodes keep the
