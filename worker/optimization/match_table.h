@@ -56,7 +56,7 @@ class MatchTable {
     if (i >= chunk.levels.size() || chunk.levels[i].words == kNone) return {};
     const std::size_t bit = (node % kChunkNodes) << chunk.slot_bits;
     const std::size_t word = chunk.levels[i].words + bit / kWordBits;
-    std::uint64_t held = chunk.slots[word] >> (bit % kWordBits);
+    const std::uint64_t held = chunk.slots[word] >> (bit % kWordBits);
     if ((held & 1) == 0) return {};
     const std::uint64_t before = chunk.slots[word] & ((std::uint64_t{1} << (bit % kWordBits)) - 1);
     const std::size_t begin =
@@ -151,12 +151,18 @@ class MatchTableBuilder {
 
  private:
   void EndChunk();
+  // Where each level's matches and slots begin in the chunk; next_ begins where the matches do.
+  void PlaceLevels(MatchTable::Chunk& chunk);
+  void PlaceMatches(MatchTable::Chunk& chunk);
+  [[nodiscard]] std::size_t WordsOfLevel() const {
+    return ((ends_.size() << slot_bits_) + MatchTable::kWordBits - 1) / MatchTable::kWordBits;
+  }
 
   unsigned slot_bits_;
   MatchTable table_;
   std::vector<MatchTable::Match> open_;  // of the chunk that is being filled, node by node
   std::vector<std::size_t> ends_;        // of its nodes in it
-  std::vector<std::uint32_t> next_;      // of EndChunk, per level
+  std::vector<std::uint32_t> next_;      // of EndChunk: per level, where its next match goes
 };
 
 }  // namespace depthfarm
