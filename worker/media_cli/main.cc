@@ -1,7 +1,6 @@
 // depthfarm-media: the commands that touch pixels. One table of commands, each parsing its options and calling a
 // library.
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +19,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/base/freed_memory.h"
 #include "common/base/status.h"
 #include "coordinator/cli/farm_options.h"
 #include "coordinator/client/client.h"
@@ -389,10 +389,8 @@ int Run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Pictures and maps are made and dropped by the dozen: giving their memory back to the system and asking for it
-  // again, page by page, would cost a fifth of the time of a virtual view.
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);  // NOLINT(concurrency-mt-unsafe): no other thread yet
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);  // NOLINT(concurrency-mt-unsafe)
+  // A fifth of the time of a virtual view.
+  depthfarm::KeepFreedMemory({.most_bytes = 1U << 30U, .largest_block_bytes = 1U << 30U});
   try {
     return Run(argc, argv);
   } catch (const std::exception& error) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/boot_time.h"
+#include "common/base/freed_memory.h"
 #include "common/base/host_name.h"
 #include "common/base/machine_memory.h"
 #include "common/log/log.h"
@@ -336,12 +337,16 @@ void WorkerService::Do(const action::SendHello& hello) {
 
 void WorkerService::Do(const action::SendAsk& ask) { Send(AskMessage(ask.ask_id, ask.running)); }
 
-void WorkerService::Do(const action::SendHeartbeat& beat) { Send(HeartbeatMessage(beat.heartbeat_id, beat.running)); }
+void WorkerService::Do(const action::SendHeartbeat& beat) {
+  Send(HeartbeatMessage(beat.heartbeat_id, beat.running));
+  if (beat.running.empty() && std::exchange(keeps_freed_memory_, false)) ReturnFreedMemory();
+}
 
 void WorkerService::Do(const action::StartTask& start) {
   LogInfo("task_started", {{"lease", start.lease.value()}, {"task", TaskName(granted_->spec.id)}});
   granted_->term = std::make_shared<LeaseTerm>(lifecycle_->ExpiryOf(start.lease).value());
   terms_[start.lease] = granted_->term;
+  keeps_freed_memory_ = true;
   compute_->Start(std::move(*granted_));
 }
 

@@ -139,6 +139,7 @@ class WorkerService {
   std::unique_ptr<Lifecycle> lifecycle_;
   std::map<JobId, std::shared_ptr<const JobConfig>> jobs_;
   std::map<LeaseId, std::shared_ptr<LeaseTerm>> terms_;  // of tasks that did not end yet
+  bool keeps_freed_memory_ = false;                      // of tasks, until there is a heartbeat without any
   std::optional<LeasedTask> granted_;                    // while the lifecycle decides about it
   std::optional<LeasedOutcome> ended_;                   // same
   std::optional<Status> exit_;
