@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -51,12 +53,54 @@ std::int32_t ScaledMean(std::int64_t sum, std::int64_t pixels) {
   return static_cast<std::int32_t>((2 * kMeanColorScale * sum + pixels) / (2 * pixels));
 }
 
+// The pixel of a segment that is nearest to its centroid, the first of several: in the first of growing squares around
+// the centroid that has a pixel nearer than all outside of it. Nothing if even the largest has none.
+std::optional<PixelPosition> CenterNearCentroid(const Grid<SegmentIndex>& labels, SegmentIndex segment,
+                                                const Sums& sums) {
+  constexpr int kLargestRadius = 7;
+  constexpr double kSlack = 1e-3;  // far more than the centroid is rounded by
+  const double centroid_x = static_cast<double>(sums.x) / static_cast<double>(sums.pixels);
+  const double centroid_y = static_cast<double>(sums.y) / static_cast<double>(sums.pixels);
+  const int middle_x = static_cast<int>(std::lround(centroid_x));
+  const int middle_y = static_cast<int>(std::lround(centroid_y));
+  for (int radius = 0; radius <= kLargestRadius; radius = 2 * radius + 1) {
+    std::optional<PixelPosition> center;
+    std::int64_t nearest = std::numeric_limits<std::int64_t>::max();
+    const int right = std::min(labels.width() - 1, middle_x + radius);
+    const int bottom = std::min(labels.height() - 1, middle_y + radius);
+    for (int y = std::max(0, middle_y - radius); y <= bottom; ++y) {
+      for (int x = std::max(0, middle_x - radius); x <= right; ++x) {
+        if (labels(x, y) != segment) continue;
+        const std::int64_t distance = sums.CentroidDistance(x, y);
+        if (distance >= nearest) continue;
+        nearest = distance;
+        center = {x, y};
+      }
+    }
+    if (!center.has_value()) continue;
+    const double outside = radius + 0.5 - kSlack;  // what is outside is as far at least
+    const double dx = center->x - centroid_x;
+    const double dy = center->y - centroid_y;
+    if (dx * dx + dy * dy < outside * outside) return center;
+  }
+  return std::nullopt;
+}
+
 std::vector<PixelPosition> Centers(const Grid<SegmentIndex>& labels, const std::vector<Sums>& sums) {
   std::vector<PixelPosition> centers(sums.size());
+  // Of segments that are far from their centroid, as rings are: all their pixels are looked at.
+  std::vector<std::uint8_t> far(sums.size());
+  for (SegmentIndex s = 0; s < sums.size(); ++s) {
+    const std::optional<PixelPosition> near = CenterNearCentroid(labels, s, sums[s]);
+    far[s] = near.has_value() ? 0 : 1;
+    centers[s] = near.value_or(PixelPosition{});
+  }
+  if (std::find(far.begin(), far.end(), 1) == far.end()) return centers;
   std::vector<std::int64_t> nearest(sums.size(), std::numeric_limits<std::int64_t>::max());
   for (int y = 0; y < labels.height(); ++y) {
     for (int x = 0; x < labels.width(); ++x) {
       const SegmentIndex label = labels(x, y);
+      if (far[label] == 0) continue;
       const std::int64_t distance = sums[label].CentroidDistance(x, y);
       if (distance >= nearest[label]) continue;
       nearest[label] = distance;

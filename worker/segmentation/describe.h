@@ -12,7 +12,7 @@ namespace depthfarm {
 // Errors (kCorrupt): the first violation, by pixel or label. Work O(pixels).
 [[nodiscard]] Status ValidateLabels(const Grid<SegmentIndex>& labels);
 
-// Mean colour, centre and neighbours of each segment. Integer arithmetic only.
+// Mean colour, centre and neighbours of each segment, as by integer arithmetic.
 // Means are rounded to the nearest 1/64 grey level, halves up; of pixels equally near to the centroid the first row by
 // row is the centre. Requires labels that ValidateLabels accepts and a picture of the same size. Work O(pixels).
 [[nodiscard]] SegmentMap DescribeSegments(Grid<SegmentIndex> labels, const YcbcrImage& picture);

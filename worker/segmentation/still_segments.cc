@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 
 namespace depthfarm {
 namespace {
@@ -36,9 +37,10 @@ std::vector<std::uint8_t> Unchanged(const SegmentMap& segments, const YcbcrImage
   std::array<Sums, 3> rows;  // each where its y modulo 3 says
   for (Sums& row : rows) row.resize(size);
   const auto row_of = [&](int y) -> Sums& { return rows[static_cast<std::size_t>(std::clamp(y, 0, height - 1)) % 3]; };
-  Sums columns(size + 2 * kComponents);  // of three rows, with a pixel more at either end
+  Sums columns(size + 2 * kComponents);     // of three rows, with a pixel more at either end
+  std::vector<std::uint8_t> changed(size);  // each component of a row
   Changes(before, now, 0, row_of(0));
-  const int bound = threshold * kWindow;
+  const auto bound = static_cast<std::int16_t>(std::min(threshold, 256) * kWindow);  // no change is larger than 255
   for (int y = 0; y < height; ++y) {
     if (y + 1 < height) Changes(before, now, y + 1, row_of(y + 1));
     const Sums& above = row_of(y - 1);
@@ -50,12 +52,16 @@ std::vector<std::uint8_t> Unchanged(const SegmentMap& segments, const YcbcrImage
       columns[i] = columns[kComponents + i];
       columns[kComponents + size + i] = columns[size + i];
     }
+    for (std::size_t i = 0; i < size; ++i) {
+      const auto sum = static_cast<std::int16_t>(columns[i] + columns[i + kComponents] + columns[i + 2 * kComponents]);
+      changed[i] = (sum >= bound) | (sum <= -bound) ? 1 : 0;
+    }
     const SegmentIndex* const label = segments.labels.row(y);
     for (std::size_t x = 0; x < width; ++x) {
-      int largest = 0;
-      for (std::size_t i = kComponents * x; i < kComponents * (x + 1); ++i)
-        largest = std::max(largest, std::abs(columns[i] + columns[i + kComponents] + columns[i + 2 * kComponents]));
-      if (largest >= bound) still[label[x]] = 0;
+      std::uint32_t of_pixel = 0;
+      static_assert(sizeof(of_pixel) == kComponents);
+      std::memcpy(&of_pixel, &changed[kComponents * x], kComponents);
+      if (of_pixel != 0) still[label[x]] = 0;
     }
   }
   return still;

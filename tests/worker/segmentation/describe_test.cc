@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <set>
 #include <string>
 #include <utility>
@@ -50,8 +53,8 @@ TEST_P(DescribeProperty, MeansAreTheNearest64thOfAGreyLevel) {
   }
 }
 
-TEST_P(DescribeProperty, CentersAreTheFirstOfTheOwnPixelsNearestToTheCentroid) {
-  const SegmentMap segments = Analyse().segments;
+// By all pixels of each segment.
+void ExpectCentersNearestToCentroids(const SegmentMap& segments) {
   const Grid<SegmentIndex>& labels = segments.labels;
   for (std::size_t s = 0; s < segments.centers.size(); ++s) {
     std::int64_t n = 0, sum_x = 0, sum_y = 0;
@@ -72,6 +75,10 @@ TEST_P(DescribeProperty, CentersAreTheFirstOfTheOwnPixelsNearestToTheCentroid) {
     }
     EXPECT_EQ(segments.centers[s], best) << "segment " << s;
   }
+}
+
+TEST_P(DescribeProperty, CentersAreTheFirstOfTheOwnPixelsNearestToTheCentroid) {
+  ExpectCentersNearestToCentroids(Analyse().segments);
 }
 
 TEST_P(DescribeProperty, AdjacencyIsTheSortedSetOfPairsThatShareAPixelEdge) {
@@ -104,6 +111,27 @@ TEST(DescribeSegments, CenterLiesInsideARing) {
   const SegmentMap map = DescribeSegments(Labels(3, {0, 0, 0, 0, 1, 0, 0, 0, 0}), YcbcrImage(3, 3));
   EXPECT_EQ(map.centers[0], (PixelPosition{1, 0}));  // four pixels are equally near: the first row by row
   EXPECT_EQ(map.centers[1], (PixelPosition{1, 1}));
+}
+
+// Rings around a point, wider and wider, cut into 1 to 8 pieces: pixels and centroids lie 0 to 60 pixels apart.
+TEST(DescribeSegments, FindsCentersOfRingsAndOfTheirPieces) {
+  constexpr int kSide = 127;
+  for (int pieces = 1; pieces <= 8; ++pieces) {
+    Grid<SegmentIndex> labels(kSide, kSide);
+    std::map<int, SegmentIndex> number_of;
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        const double dx = x - 60.25;
+        const double dy = y - 63;
+        const int ring = static_cast<int>(std::sqrt(std::hypot(dx, dy)));
+        const double turn = (std::atan2(dy, dx) / std::numbers::pi + 1) / 2;
+        const int piece = std::min(pieces - 1, static_cast<int>(turn * pieces));
+        labels(x, y) = number_of.try_emplace(16 * ring + piece, number_of.size()).first->second;
+      }
+    }
+    SCOPED_TRACE(std::to_string(pieces) + " pieces");
+    ExpectCentersNearestToCentroids(DescribeSegments(labels, YcbcrImage(kSide, kSide)));
+  }
 }
 
 TEST(DescribeSegments, SegmentsThatTouchAtACornerAreNotAdjacent) {
