@@ -25,8 +25,8 @@ Grid<std::uint16_t> RefinedDepthCodes(const ResolvedJob& job, int view, const Re
     for (int x = 0; x < codes.width(); ++x) {
       const double u = refined.At(x, y);
       if (!(u > -kBehindInfinity) || !std::isfinite(u)) continue;
-      const double code = std::floor((u / pixels - far_inverse) * scale + 0.5);
-      codes(x, y) = static_cast<std::uint16_t>(1 + std::clamp(code, 0.0, kSteps));
+      const double code = std::clamp((u / pixels - far_inverse) * scale + 0.5, 0.0, kSteps);
+      codes(x, y) = static_cast<std::uint16_t>(1 + static_cast<int>(code));  // cut off: the floor
     }
   }
   return codes;

@@ -19,6 +19,7 @@ constexpr double kMedianOfNorm = 1.54;  // median length of a vector of three no
 
 double MeasureNoise(const PictureColours& own, const InverseDepthMap& map, const OtherView& other) {
   std::vector<double> squares;
+  squares.reserve(map.size() / (kSampleStep * kSampleStep));
   PixelList list;
   ListOf<double> distances;
   const auto measure = [&] {

@@ -75,6 +75,7 @@ struct Band {
   Rows rows;
   KnownCosts known;  // of all passes: planes and maps stay, only who has which plane changes; y from the band's top
   Choices choices;   // of a pass
+  std::vector<std::uint32_t> group_of_plane;  // FillCosts': 1 + the group's number; else 0
 };
 
 // As many as keep the threads busy.
@@ -84,7 +85,8 @@ std::vector<Band> RowBands(int width, int height, int threads) {
   std::vector<Band> bands;
   for (int i = 0; i < count; ++i) {
     const Rows rows{height * i / count, height * (i + 1) / count};
-    bands.push_back({.rows = rows, .known = KnownCosts(width, rows.bottom - rows.top), .choices = {}});
+    bands.push_back(
+        {.rows = rows, .known = KnownCosts(width, rows.bottom - rows.top), .choices = {}, .group_of_plane = {}});
   }
   return bands;
 }
@@ -158,20 +160,39 @@ class Surroundings {
   std::array<std::ptrdiff_t, kNumWays> ways_{};  // to the pixels around, in the order in which they are asked
 };
 
+// The entries from `first` on, those of a plane one after the other and in their order. `group_of_plane`: all 0, as it
+// is left; late passes have few entries, so that its size must not count.
+std::vector<KnownCosts::Entry> GroupedByPlane(const KnownCosts& known, std::size_t first, std::size_t num_planes,
+                                              std::vector<std::uint32_t>& group_of_plane) {
+  group_of_plane.resize(num_planes);
+  std::vector<PlaneIndex> planes;   // of the groups
+  std::vector<std::uint32_t> next;  // entry of each group, where it goes
+  for (std::size_t i = first; i < known.size(); ++i) {
+    const PlaneIndex plane = known[static_cast<KnownCosts::Entry>(i)].plane;
+    std::uint32_t& group = group_of_plane[plane];
+    if (group == 0) {
+      planes.push_back(plane);
+      next.push_back(0);
+      group = static_cast<std::uint32_t>(planes.size());
+    }
+    ++next[group - 1];
+  }
+  std::exclusive_scan(next.begin(), next.end(), next.begin(), 0U);
+  std::vector<KnownCosts::Entry> grouped(known.size() - first);
+  for (std::size_t i = first; i < known.size(); ++i) {
+    const auto entry = static_cast<KnownCosts::Entry>(i);
+    grouped[next[group_of_plane[known[entry].plane] - 1]++] = entry;
+  }
+  for (const PlaneIndex plane : planes) group_of_plane[plane] = 0;
+  return grouped;
+}
+
 // Sets the costs of the band's entries from `first` on, and of the candidates that have them. Plane by plane and row by
 // row, as PatchCost asks for.
 void FillCosts(const RefinedView& view, std::size_t first, PatchCost& cost, Band& band, const std::stop_token& stop) {
   KnownCosts& known = band.known;
   if (first == known.size()) return;
-  // Entries are in the order of rows: by the numbers of their planes they stay so.
-  std::vector<std::uint32_t> next(view.planes.size() + 1);
-  for (std::size_t i = first; i < known.size(); ++i) ++next[known[static_cast<KnownCosts::Entry>(i)].plane + 1];
-  std::partial_sum(next.begin(), next.end(), next.begin());
-  std::vector<KnownCosts::Entry> by_plane(known.size() - first);
-  for (std::size_t i = first; i < known.size(); ++i) {
-    const auto entry = static_cast<KnownCosts::Entry>(i);
-    by_plane[next[known[entry].plane]++] = entry;
-  }
+  const std::vector<KnownCosts::Entry> by_plane = GroupedByPlane(known, first, view.planes.size(), band.group_of_plane);
   std::vector<PixelPosition> pixels;
   std::vector<double> costs;
   for (std::size_t begin = 0, end = 0; begin < by_plane.size() && !stop.stop_requested(); begin = end) {
