@@ -32,13 +32,15 @@ std::vector<Action> Scheduler::Tick(TimePoint now) {
     RemoveWorker(*workers_.Find(id), &lost);
   }
   EndJobsWithoutSubmitter();
-  std::vector<std::pair<LeaseId, Lease>> overdue;
+  std::vector<LeaseId> overdue;
   for (const auto& [id, lease] : workers_.leases()) {
-    if (lease.expires <= now) overdue.emplace_back(id, lease);
+    if (lease.expires <= now) overdue.push_back(id);
   }
-  for (const auto& [id, lease] : overdue) {
+  for (const LeaseId id : overdue) {
+    if (workers_.FindLease(id) == nullptr) continue;
+    const Lease lease = *workers_.FindLease(id);
     workers_.EndLease(id);
-    if (lease.revoked) continue;
+    if (lease.revoked) continue;  // maybe since one before it failed their job
     AddNote(Note::Severity::kWarning, "lease_expired",
             {{"task", TaskName(lease.task)}, {"lease", Number(id.value())}, {"worker", Number(lease.worker.value())}});
     Add(Revoke{lease.worker, id});

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "tests/coordinator/planned_job.h"
 #include "tests/coordinator/scheduling/fake_farm.h"
 
@@ -24,6 +26,22 @@ TEST(SchedulerLeases, ReissuesATaskWhenItsLeaseExpires) {
   farm.Finish(second);
   EXPECT_EQ(farm.Running(second).task.spec.id, task);
   EXPECT_EQ(farm.Running(second).attempt, 2);
+}
+
+TEST(SchedulerLeases, LeasesThatRunOutTogetherEndOnceWhereTheFirstFailsTheirJob) {
+  FakeFarm farm({.max_attempts = 1});
+  farm.Submit(MakePlannedJob({.views = 4}));
+  const std::vector<WorkerId> workers{farm.JoinAndAsk(), farm.Join()};
+  farm.Finish(workers[0]);  // Prepare
+  farm.Ask(workers[1]);
+  const LeaseId first = farm.At(workers[0]).running.begin()->first;
+  const LeaseId second = farm.At(workers[1]).running.begin()->first;
+  for (const WorkerId worker : workers) farm.At(worker).running.clear();  // heartbeats go on and do not name them
+  farm.PassWithBeats(kLease);
+  EXPECT_EQ(farm.CountNotes("job_failed"), 1);
+  EXPECT_EQ(farm.CountNotes("lease_expired"), 1);
+  EXPECT_EQ(farm.attempts_ended.at(first).outcome, AttemptOutcome::kExpired);
+  EXPECT_EQ(farm.attempts_ended.at(second).outcome, AttemptOutcome::kRevoked);
 }
 
 TEST(SchedulerLeases, HeartbeatsKeepALeaseAlive) {
