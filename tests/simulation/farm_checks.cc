@@ -183,6 +183,14 @@ void SimulatedFarm::CheckAttempts(bool last) {
   request.mutable_list_jobs();
   const v1::Envelope list = Call(*coordinator_, request, events_.now());
   for (const v1::JobStatus& job : list.job_list().jobs()) CheckAttemptsOf(job, last);
+  if (!disk_.dead()) CheckEndsOfLeases(last);  // else what it granted last was never sent
+}
+
+void SimulatedFarm::CheckEndsOfLeases(bool last) {
+  std::uint64_t ended = 0;
+  for (const auto& [kind_and_outcome, count] : coordinator_->Metrics().attempts) ended += count;
+  if (ended > granted_ || (last && ended < granted_))
+    Problem("of " + std::to_string(granted_) + " leases " + std::to_string(ended) + " have ended");
 }
 
 void SimulatedFarm::CheckAttemptsOf(const v1::JobStatus& job, bool last) {

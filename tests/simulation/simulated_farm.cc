@@ -114,6 +114,7 @@ void SimulatedFarm::CrashCoordinator(SimulatedDisk::Loss loss) {
   }
   disk_.Die();
   coordinator_.reset();
+  granted_ = 0;
   disk_.Restart(loss);
   events_.After(Milliseconds(random_.Int(100, 15'000)), [this] { StartCoordinator(); });
 }
@@ -142,6 +143,7 @@ void SimulatedFarm::Deliver() {
   for (OutgoingMessage& message : coordinator_->TakeOutgoing()) {
     tally_.asked_back += message.envelope.has_give_back_task() ? 1 : 0;
     if (message.envelope.has_grant_task()) {
+      ++granted_;
       const LeaseId lease(message.envelope.grant_task().lease_id());
       if (coordinator_->scheduler().IsDuplicate(lease)) duplicates_.insert(lease);
     }

@@ -86,6 +86,8 @@ class SimulatedFarm {
   void CheckFolder(const Submitter& submitter, const JobEnd& end, bool last_look);
   // Of this life of the coordinator, which ends; `last`: when all is over.
   void CheckAttempts(bool last);
+  // That each lease that was granted has ended once, or, before the last look, not yet.
+  void CheckEndsOfLeases(bool last);
   void CheckAttemptsOf(const v1::JobStatus& job, bool last);
   // At the beginning of a life: that all is there that the one before wrote.
   void CheckJournal(const Journal& journal);
@@ -108,6 +110,7 @@ class SimulatedFarm {
   std::map<std::string, std::unique_ptr<Submitter>> submitters_;
   std::map<JobId, TimePoint> first_tasks_;
   std::set<LeaseId> duplicates_;  // that the coordinator said to be such
+  std::uint64_t granted_ = 0;     // leases, in this life of the coordinator
   std::map<TaskId, int> deaths_;  // of workers, by poisonous tasks
   using JobAndFrame = std::pair<std::uint64_t, int>;
   std::set<JobAndFrame> remembered_;        // frames that the journal had when the coordinator began
