@@ -183,14 +183,17 @@ void SimulatedFarm::CheckAttempts(bool last) {
   request.mutable_list_jobs();
   const v1::Envelope list = Call(*coordinator_, request, events_.now());
   for (const v1::JobStatus& job : list.job_list().jobs()) CheckAttemptsOf(job, last);
-  if (!disk_.dead()) CheckEndsOfLeases(last);  // else what it granted last was never sent
+  if (!disk_.dead()) CheckMetrics(last);  // else what it granted last was never sent
 }
 
-void SimulatedFarm::CheckEndsOfLeases(bool last) {
+void SimulatedFarm::CheckMetrics(bool last) {
+  const FarmMetrics metrics = coordinator_->Metrics();
   std::uint64_t ended = 0;
-  for (const auto& [kind_and_outcome, count] : coordinator_->Metrics().attempts) ended += count;
+  for (const auto& [kind_and_outcome, count] : metrics.attempts) ended += count;
   if (ended > granted_ || (last && ended < granted_))
     Problem("of " + std::to_string(granted_) + " leases " + std::to_string(ended) + " have ended");
+  if (last && metrics.jobs_running + metrics.tasks_leased + metrics.tasks_ready + metrics.gops_unopened > 0)
+    Problem("a farm whose jobs have ended wants workers");
 }
 
 void SimulatedFarm::CheckAttemptsOf(const v1::JobStatus& job, bool last) {

@@ -87,7 +87,7 @@ class SimulatedFarm {
   // Of this life of the coordinator, which ends; `last`: when all is over.
   void CheckAttempts(bool last);
   // That each lease that was granted has ended once, or, before the last look, not yet.
-  void CheckEndsOfLeases(bool last);
+  void CheckMetrics(bool last);
   void CheckAttemptsOf(const v1::JobStatus& job, bool last);
   // At the beginning of a life: that all is there that the one before wrote.
   void CheckJournal(const Journal& journal);
