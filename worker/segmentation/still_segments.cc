@@ -54,7 +54,7 @@ std::vector<std::uint8_t> Unchanged(const SegmentMap& segments, const YcbcrImage
     }
     for (std::size_t i = 0; i < size; ++i) {
       const auto sum = static_cast<std::int16_t>(columns[i] + columns[i + kComponents] + columns[i + 2 * kComponents]);
-      changed[i] = (sum >= bound) | (sum <= -bound) ? 1 : 0;
+      changed[i] = ((sum >= bound) | (sum <= -bound)) ? 1 : 0;
     }
     const SegmentIndex* const label = segments.labels.row(y);
     for (std::size_t x = 0; x < width; ++x) {
