@@ -321,7 +321,7 @@ void WorkerService::ReportDropped() {
 
 void WorkerService::Handle(const LifecycleEvent& event) { CarryOut(lifecycle_->Handle(event, Now())); }
 
-void WorkerService::CarryOut(std::vector<LifecycleAction> actions) {
+void WorkerService::CarryOut(const std::vector<LifecycleAction>& actions) {
   for (const LifecycleAction& next : actions) {
     std::visit([this](const auto& wanted) { Do(wanted); }, next);
   }

@@ -109,7 +109,7 @@ class WorkerService {
   void ReportDropped();
   void ReadmitPeers();
   void Handle(const LifecycleEvent& event);
-  void CarryOut(std::vector<LifecycleAction> actions);
+  void CarryOut(const std::vector<LifecycleAction>& actions);
   void Do(const lifecycle_action::SendHello& action);
   void Do(const lifecycle_action::SendAsk& action);
   void Do(const lifecycle_action::SendHeartbeat& action);
