@@ -125,9 +125,8 @@ void SimulatedFarm::CheckFolder(const Submitter& submitter, const JobEnd& end, b
   // Files of one job alone: of this one, in part, or of one before.
   std::set<std::string> files;
   for (const auto& [path, bytes] : content) {
-    // A Cleanup that no worker could do in time is not waited for. That none is granted before the job's other tasks
-    // have ended rests on the order that a connection keeps (PROTOCOL.md, 4): an older ask does not name a newer lease.
-    if (path.starts_with(".depthfarm-staging/") && last_look && !options_.faults.network.reorders &&
+    // A Cleanup that no worker could do in time is not waited for.
+    if (path.starts_with(".depthfarm-staging/") && last_look &&
         (!ended_in_chaos_.contains(end.id) || cleaned_up_.contains(end.id)))
       Problem(name + ": " + path + " was left behind");
     if (!path.starts_with(".")) files.insert(path);
@@ -217,8 +216,6 @@ void SimulatedFarm::CheckAttemptsOf(const v1::JobStatus& job, bool last) {
       if (!attempt.duplicate() && (outcome == v1::ATTEMPT_OUTCOME_FAILED || outcome == v1::ATTEMPT_OUTCOME_EXPIRED ||
                                    outcome == v1::ATTEMPT_OUTCOME_WORKER_LOST))
         ++failures[task];
-      // Of a job that was tried again the Cleanup of a run before does not count.
-      cleaned_up_.erase(job.job_id());
       if (outcome != v1::ATTEMPT_OUTCOME_DONE) continue;
       if (task.kind == TaskKind::kCleanup) cleaned_up_.insert(job.job_id());
       if (task.kind != TaskKind::kCommit && task.kind != TaskKind::kManifest) continue;

@@ -116,7 +116,7 @@ class SimulatedFarm {
   std::set<JobAndFrame> remembered_;        // frames that the journal had when the coordinator began
   std::set<JobAndFrame> written_;           // that the life before must have written
   std::set<std::uint64_t> ended_in_chaos_;  // jobs
-  std::set<std::uint64_t> cleaned_up_;      // jobs whose last attempt of a task was a Cleanup, and done
+  std::set<std::uint64_t> cleaned_up_;      // jobs whose Cleanup was done
   std::vector<std::string> problems_;
   std::uint64_t trace_ = 0;
   Tally tally_;
