@@ -12,7 +12,8 @@ struct FreedMemory {
   std::size_t largest_block_bytes = 0;  // larger blocks are asked for, and go back, one by one
 };
 
-// For the rest of the process; before its first thread starts.
+// For the rest of the process; before its first thread starts. Both at most 2^31 - 1. An allocator that cannot (a
+// sanitizer's) does as it always does.
 void KeepFreedMemory(const FreedMemory& kept);
 
 // Gives back what is kept now.

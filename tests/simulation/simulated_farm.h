@@ -86,7 +86,8 @@ class SimulatedFarm {
   void CheckFolder(const Submitter& submitter, const JobEnd& end, bool last_look);
   // Of this life of the coordinator, which ends; `last`: when all is over.
   void CheckAttempts(bool last);
-  // That each lease that was granted has ended once, or, before the last look, not yet.
+  // That each lease that was granted has ended once, or, before the last look, not yet; and that nothing is wanted at
+  // last.
   void CheckMetrics(bool last);
   void CheckAttemptsOf(const v1::JobStatus& job, bool last);
   // At the beginning of a life: that all is there that the one before wrote.
