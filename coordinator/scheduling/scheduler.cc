@@ -69,8 +69,8 @@ void Scheduler::On(const WorkerJoined& event) {
   const std::set<LeaseId> leases = worker.leases;
   for (const LeaseId id : leases) {
     Lease& lease = *workers_.FindLease(id);
-    if (running.contains(id) && !lease.revoked) {
-      lease.expires = now_ + options_.lease;
+    if (running.contains(id)) {
+      if (!lease.revoked) lease.expires = now_ + options_.lease;
       continue;
     }
     const Lease ended = lease;
@@ -80,7 +80,8 @@ void Scheduler::On(const WorkerJoined& event) {
     GiveBack(id, ended.task);  // the grant never arrived
   }
   for (const LeaseId id : running) {
-    if (!worker.leases.contains(id)) Add(Revoke{event.worker, id});
+    const Lease* lease = worker.leases.contains(id) ? workers_.FindLease(id) : nullptr;
+    if (lease == nullptr || lease->revoked) Add(Revoke{event.worker, id});
   }
 
   std::set<ArtifactKey> held;
@@ -99,15 +100,19 @@ void Scheduler::On(const WorkerJoined& event) {
   LoseArtifacts(lost);
 }
 
-bool Scheduler::EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running) {
-  if (worker.revoked == 0) return false;
+bool Scheduler::NoteRunning(const Worker& worker, const std::vector<LeaseId>& running, std::uint64_t id,
+                            std::uint64_t Lease::*named_by) {
   bool ended = false;
   const std::set<LeaseId> leases = worker.leases;
-  for (const LeaseId id : leases) {
-    const bool running = std::find(still_running.begin(), still_running.end(), id) != still_running.end();
-    if (running || !workers_.FindLease(id)->revoked) continue;
-    workers_.EndLease(id);
-    ended = true;
+  for (const LeaseId lease_id : leases) {
+    Lease& lease = *workers_.FindLease(lease_id);
+    std::uint64_t& named = lease.*named_by;
+    if (std::ranges::find(running, lease_id) != running.end()) {
+      named = std::max(named, id);
+    } else if (lease.revoked && named > 0 && named < id) {
+      workers_.EndLease(lease_id);
+      ended = true;
+    }
   }
   return ended;
 }
@@ -117,7 +122,7 @@ void Scheduler::On(const WorkerAsked& event) {
   if (worker == nullptr) return;
   worker->last_heard = now_;
   worker->ask = Worker::Ask{event.ask_id, now_};
-  (void)EndRevokedLeases(*worker, event.running);
+  (void)NoteRunning(*worker, event.running, event.ask_id, &Lease::named_by_ask);
 }
 
 void Scheduler::On(const WorkerHeard& event) {
@@ -133,7 +138,7 @@ void Scheduler::On(const WorkerHeard& event) {
       lease->expires = now_ + options_.lease;
     }
   }
-  idle_ = !EndRevokedLeases(*worker, event.running);
+  idle_ = !NoteRunning(*worker, event.running, event.heartbeat_id, &Lease::named_by_heartbeat);
   Add(std::move(answer));
 }
 
@@ -174,9 +179,11 @@ void Scheduler::On(const TaskFailed& event) {
   Worker* worker = workers_.Find(event.worker);
   if (worker == nullptr) return;
   worker->last_heard = now_;
+  const ErrorCode code = event.error.code();
+  // It was told to stop by a Revoke for a lease that is over here already: no result, and nothing that anybody awaits.
+  if (code == ErrorCode::kCancelled && workers_.FindLease(event.lease) == nullptr) return;
   const std::optional<Lease> lease = EndLeaseOf(event.worker, event.lease, event.task);
   if (!lease) return;
-  const ErrorCode code = event.error.code();
   const bool given_back = code == ErrorCode::kLeaseExpired || code == ErrorCode::kCancelled;
   const auto told = worker->told_jobs.find(event.task.job);
   if (code == ErrorCode::kLeaseExpired && told != worker->told_jobs.end())

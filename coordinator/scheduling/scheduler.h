@@ -132,7 +132,10 @@ class Scheduler {
   // The lease of a result, ended; null (and a note) if it is not the worker's any more.
   [[nodiscard]] std::optional<Lease> EndLeaseOf(WorkerId worker, LeaseId lease, const TaskId& task);
   void RemoveWorker(Worker& worker, const Loss* lost);
-  bool EndRevokedLeases(Worker& worker, const std::vector<LeaseId>& still_running);
+  // What an ask or a heartbeat, the message `id` of these, says of the worker's leases: ends the revoked ones that it
+  // names no more. One that no such message named may have crossed it, and begin yet. True if any ended.
+  bool NoteRunning(const Worker& worker, const std::vector<LeaseId>& running, std::uint64_t id,
+                   std::uint64_t Lease::*named_by);
   void AddArtifact(WorkerId worker, const ArtifactInfo& artifact, JobId job, const std::string& made_by);
   void LoseArtifacts(const std::vector<ArtifactKey>& keys);
   void AddViolation(JobId job, const ArtifactKey& key, const std::string& made_by);

@@ -68,6 +68,9 @@ struct Lease {
   bool duplicate = false;               // the second one of a task that is leased
   bool alone = false;                   // its worker gets nothing else meanwhile
   std::optional<TimePoint> begun = {};  // when a slot was free for it, as far as is known here
+  // The newest of the worker's messages that named it, so that it is known to have had the grant; 0: none.
+  std::uint64_t named_by_ask = 0;
+  std::uint64_t named_by_heartbeat = 0;
   std::optional<WorkerId> asked_back_for = {};  // the free worker that the task was asked back for
   TimePoint asked_back_at = {};
 };

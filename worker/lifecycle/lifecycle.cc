@@ -153,6 +153,7 @@ void Lifecycle::On(const event::HeartbeatAcked& ack) {
   for (auto& [lease, held] : held_) {
     if (held.stopped) continue;
     if (std::ranges::find(ack.unknown_leases, lease) != ack.unknown_leases.end()) {
+      held.revoked = true;  // as far as is known here: the revocation may be lost
       Stop(lease, "the coordinator does not know the lease");
     } else if (std::ranges::find(sent.running, lease) != sent.running.end()) {
       held.expires = std::max(held.expires, sent.sent + lease_);
@@ -170,9 +171,9 @@ void Lifecycle::On(const event::Revoked& revoked) {
 void Lifecycle::On(const event::TaskEnded& ended) {
   const auto held = held_.find(ended.lease);
   if (held == held_.end()) return;
-  const bool wanted = !held->second.stopped && now_ < held->second.expires;
+  const bool awaited = held->second.revoked || (!held->second.stopped && now_ < held->second.expires);
   held_.erase(held);
-  if (wanted) {
+  if (awaited) {
     Do(action::ReportTask{ended.lease});
   } else {
     Do(action::DropResult{ended.lease});
@@ -198,7 +199,7 @@ void Lifecycle::On(const event::StopRequested& stop) {
 }
 
 void Lifecycle::SayHello() {
-  Do(action::SendHello{Valid()});
+  Do(action::SendHello{Running()});
   hello_due_ = now_ + hello_retry_;
   hello_retry_ = std::min(2 * hello_retry_, options_.last_hello_retry);
 }

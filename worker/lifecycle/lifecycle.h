@@ -94,12 +94,12 @@ struct StopTask {
   std::string reason;
   bool operator==(const StopTask&) const = default;
 };
-// Send TaskFinished with what the task found.
+// Send TaskFinished with what the task found, or that it was stopped.
 struct ReportTask {
   LeaseId lease;
   bool operator==(const ReportTask&) const = default;
 };
-// The task's result is nobody's any more: tell no one.
+// The task's lease is over, and its result nobody's: tell no one.
 struct DropResult {
   LeaseId lease;
   bool operator==(const DropResult&) const = default;
@@ -160,7 +160,7 @@ class Lifecycle {
  private:
   struct Held {
     TimePoint expires;
-    bool stopped = false;  // its result will be dropped
+    bool stopped = false;  // its result is not wanted
     bool revoked = false;  // that is why; the coordinator waits for its end
   };
   struct SentHeartbeat {

@@ -21,6 +21,7 @@ void FakeFarm::Submit(const PlannedJob& job, int priority, const std::set<std::s
 
 void FakeFarm::Send(const Event& event) {
   Apply(scheduler.Handle(event, now));
+  ReportStopped();
   if (!answers_late) AnswerAskedBack();
   while (!to_ask_.empty()) {
     const std::vector<WorkerId> asking = std::exchange(to_ask_, {});
@@ -67,7 +68,7 @@ void FakeFarm::Ask(WorkerId worker) {
 }
 
 void FakeFarm::Beat(WorkerId worker) {
-  WorkerHeard event{worker, 1, {}};
+  WorkerHeard event{worker, ++At(worker).beats, {}};
   for (const auto& [lease, grant] : At(worker).running) event.running.push_back(lease);
   Send(event);
 }
@@ -154,6 +155,10 @@ void FakeFarm::AnswerAskedBack() {
   }
 }
 
+void FakeFarm::ReportStopped() {
+  for (const TaskFailed& stopped : std::exchange(to_report_, {})) Send(stopped);
+}
+
 void FakeFarm::BeginTasks() {
   for (const auto& [id, worker] : workers) {
     int slots = worker.slots;
@@ -187,6 +192,7 @@ void FakeFarm::Fail(WorkerId worker, const Status& error) {
 void FakeFarm::Pass(Milliseconds time) {
   now += time;
   Apply(scheduler.Tick(now));
+  ReportStopped();
 }
 
 void FakeFarm::PassWithBeats(Milliseconds time) {
@@ -198,6 +204,7 @@ void FakeFarm::PassWithBeats(Milliseconds time) {
       if (worker.HasRoom()) Ask(id);
     }
     Apply(scheduler.Tick(now));
+    ReportStopped();
   }
 }
 
@@ -243,13 +250,21 @@ void FakeFarm::Apply(const Grant& grant) {
 }
 
 void FakeFarm::Apply(const AcknowledgeHeartbeat& answer) {
-  for (const LeaseId lease : answer.unknown) At(answer.worker).running.erase(lease);
+  for (const LeaseId lease : answer.unknown) Stop(answer.worker, lease);
 }
 
 void FakeFarm::Apply(const Revoke& revoke) {
   revokes.push_back(revoke);
   const auto worker = workers.find(revoke.worker);
-  if (worker != workers.end() && worker->second.alive) worker->second.running.erase(revoke.lease);
+  if (worker != workers.end() && worker->second.alive) Stop(revoke.worker, revoke.lease);
+}
+
+void FakeFarm::Stop(WorkerId worker, LeaseId lease) {
+  auto& running = At(worker).running;
+  const auto task = running.find(lease);
+  if (stops_late || task == running.end()) return;
+  to_report_.push_back({worker, lease, task->second.task.spec.id, Cancelled(), {}});
+  running.erase(task);
 }
 
 void FakeFarm::Apply(const AskBack& ask) {

@@ -17,6 +17,7 @@ struct FakeWorker {
   std::map<LeaseId, Grant> running;
   std::map<ArtifactKey, ArtifactInfo> store;
   std::uint64_t asks = 0;
+  std::uint64_t beats = 0;
   int slots = 1;
   int ahead = 0;
   std::uint64_t memory_bytes = 0;
@@ -80,6 +81,7 @@ class FakeFarm {
   std::vector<Revoke> revokes;
   std::vector<AskBack> asked_back;
   bool answers_late = false;  // what is asked back waits for AnswerAskedBack
+  bool stops_late = false;    // tasks that are revoked go on; else they end at once, and that is reported
   std::set<LeaseId> begun;    // whose tasks a slot took
   std::vector<Release> releases;
   std::vector<Keep> keeps;
@@ -112,9 +114,12 @@ class FakeFarm {
   Milliseconds lease_;
   // A worker's slots take its tasks in the order of their leases.
   void BeginTasks();
+  void Stop(WorkerId worker, LeaseId lease);
+  void ReportStopped();
 
   std::vector<WorkerId> to_ask_;
   std::vector<AskBack> to_answer_;
+  std::vector<TaskFailed> to_report_;
   std::uint64_t last_worker_ = 0;
 };
 

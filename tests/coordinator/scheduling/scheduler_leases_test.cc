@@ -99,22 +99,93 @@ TEST(SchedulerLeases, ALostWorkersTasksBehindItsSlotsDidNotFail) {
 }
 
 TEST(SchedulerLeases, ARevokedTaskCountsUntilTheWorkerSaysThatItIsOver) {
+  for (const bool asks : {true, false}) {
+    FakeFarm farm;
+    farm.stops_late = true;
+    farm.Submit(MakePlannedJob({.frames = 4, .gop = 1, .views = 2}));
+    const WorkerId worker = farm.JoinAndAsk(2);
+    farm.Finish(worker);  // Prepare was among them
+    ASSERT_EQ(farm.At(worker).running.size(), 2U);
+    farm.Cancel(1);
+    const auto say = [&] { asks ? farm.Ask(worker) : farm.Beat(worker); };
+    farm.JoinAndAsk();  // it would clean up
+    say();
+    EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 0);
+    ASSERT_EQ(farm.At(worker).running.size(), 2U);
+    farm.At(worker).running.erase(farm.At(worker).running.begin());  // older workers do not report it
+    say();
+    EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 0);
+    farm.At(worker).running.clear();
+    say();
+    EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 1);
+  }
+}
+
+// A worker with one slot whose grant and an ask and a heartbeat of before cross each other.
+class CrossedGrant : public testing::Test {
+ protected:
+  CrossedGrant() {
+    farm_.stops_late = true;
+    farm_.Submit(MakePlannedJob({.frames = 4, .gop = 1, .views = 2}));
+    worker_ = farm_.JoinAndAsk();
+    farm_.Finish(worker_);  // Prepare; the grant of the next task is on its way
+    farm_.Cancel(1);
+    other_ = farm_.JoinAndAsk();
+    farm_.Send(WorkerAsked{worker_, ++farm_.At(worker_).asks, {}});
+    farm_.Send(WorkerHeard{worker_, ++farm_.At(worker_).beats, {}});
+  }
+  [[nodiscard]] int CleanupsGranted() const { return farm_.CountGrants(TaskKind::kCleanup, 0); }
+
+  FakeFarm farm_;
+  WorkerId worker_{0};
+  WorkerId other_{0};
+};
+
+TEST_F(CrossedGrant, IsNotOverWhereTheyDoNotNameIt) {
+  EXPECT_EQ(CleanupsGranted(), 0) << "the worker begins it yet, and may write into the folder";
+}
+
+TEST_F(CrossedGrant, IsOverWithItsReport) {
+  farm_.Fail(worker_, Cancelled());
+  EXPECT_EQ(CleanupsGranted(), 1);
+  EXPECT_EQ(farm_.scheduler.late_results(), 0U);
+}
+
+TEST_F(CrossedGrant, IsOverWhenALaterMessageThanOneThatNamedItDoesNot) {
+  farm_.Beat(worker_);
+  farm_.At(worker_).running.clear();
+  farm_.Ask(worker_);
+  EXPECT_EQ(CleanupsGranted(), 0) << "whether the ask came after that heartbeat is not known";
+  farm_.Send(WorkerHeard{worker_, farm_.At(worker_).beats - 1, {}});  // overtaken by it
+  EXPECT_EQ(CleanupsGranted(), 0);
+  farm_.Beat(worker_);
+  EXPECT_EQ(CleanupsGranted(), 1);
+}
+
+TEST_F(CrossedGrant, IsOverAfterALeaseIfItNeverArrived) {
+  farm_.At(worker_).running.clear();
+  farm_.PassWithBeats(kLease - milliseconds(1));
+  EXPECT_EQ(CleanupsGranted(), 0);
+  farm_.PassWithBeats(milliseconds(1));
+  EXPECT_EQ(CleanupsGranted(), 1);
+}
+
+TEST_F(CrossedGrant, IsNotOverWithAHelloThatNamesIt) {
+  farm_.Rejoin(worker_);
+  EXPECT_EQ(CleanupsGranted(), 0);
+  EXPECT_EQ(farm_.revokes.back().lease, farm_.Running(worker_).lease) << "the worker may not have heard it";
+  farm_.At(worker_).running.clear();
+  farm_.Rejoin(worker_);
+  farm_.Ask(worker_);
+  EXPECT_EQ(CleanupsGranted(), 1);
+}
+
+TEST(SchedulerLeases, TheEndOfAStoppedTaskWhoseLeaseIsOverIsNoLateResult) {
   FakeFarm farm;
-  farm.Submit(MakePlannedJob({.frames = 4, .gop = 1, .views = 2}));
-  const WorkerId worker = farm.JoinAndAsk(2);
-  farm.Finish(worker);  // Prepare was among them
-  const std::map<LeaseId, Grant> running = farm.At(worker).running;
-  ASSERT_EQ(running.size(), 2U);
-  farm.Cancel(1);
-  farm.At(worker).running = running;  // it has heard of it, but its tasks are not over
-  farm.Ask(worker);
-  EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 0);
-  farm.At(worker).running.erase(farm.At(worker).running.begin());
-  farm.Ask(worker);
-  EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 0);
-  farm.At(worker).running.clear();
-  farm.Ask(worker);
-  EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 1);
+  const WorkerId worker = farm.Join();
+  farm.Send(TaskFailed{worker, LeaseId(77), {}, Cancelled(), {}});
+  EXPECT_EQ(farm.scheduler.late_results(), 0U);
+  EXPECT_EQ(farm.CountNotes("late_result"), 0);
 }
 
 TEST(SchedulerLeases, ADrainedWorkerEndsAfterItsTasksAndGetsNoMore) {

@@ -182,6 +182,7 @@ TEST(Scheduler, AWorkerThatGivesBackATaskCostsNoAttempt) {
 
 TEST(Scheduler, CancelRevokesLeasesAndCleansUpWhenTheyHaveEnded) {
   FakeFarm farm;
+  farm.stops_late = true;
   farm.Submit(MakePlannedJob({}));
   const WorkerId first = farm.JoinAndAsk();
   farm.Finish(first);
@@ -192,7 +193,7 @@ TEST(Scheduler, CancelRevokesLeasesAndCleansUpWhenTheyHaveEnded) {
   EXPECT_EQ(farm.revokes[0].lease, lease);
   farm.Ask(second);
   EXPECT_TRUE(farm.IsIdle(second)) << "the first worker may still write";
-  farm.Ask(first);  // its slot is free
+  farm.Fail(first, Cancelled());
   EXPECT_EQ(farm.CountGrants(TaskKind::kCleanup, 0), 1);
   farm.RunToTheEnd();
   EXPECT_EQ(farm.ended.at(JobId(1)).state, JobState::kCancelled);

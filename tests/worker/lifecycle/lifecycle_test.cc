@@ -228,9 +228,12 @@ TEST_F(LifecycleTest, StopsATaskTheCoordinatorDoesNotKnow) {
   Pass(kHeartbeat);
   const std::uint64_t beat = Only<action::SendHeartbeat>(Tick()).heartbeat_id;
   EXPECT_EQ(Count<action::StopTask>(Handle(event::HeartbeatAcked{beat, {kTask}})), 1);
+  // As far as is known here the coordinator revoked it and waits for its end.
+  Pass(kHeartbeat);
+  EXPECT_THAT(Only<action::SendHeartbeat>(Tick()).running, ElementsAre(kTask));
   const Actions actions = Handle(event::TaskEnded{kTask});
-  EXPECT_EQ(Count<action::ReportTask>(actions), 0);
-  EXPECT_EQ(Count<action::SendAsk>(actions), 1);
+  EXPECT_EQ(Only<action::ReportTask>(actions).lease, kTask);
+  EXPECT_THAT(Only<action::SendAsk>(actions).running, IsEmpty());
 }
 
 TEST_F(LifecycleTest, StopsARevokedTaskOnceAndIsNotFreeBeforeItEnded) {
@@ -240,7 +243,7 @@ TEST_F(LifecycleTest, StopsARevokedTaskOnceAndIsNotFreeBeforeItEnded) {
   EXPECT_EQ(worker_.state(), WorkerState::kWorking);
   Pass(kHeartbeat);
   EXPECT_THAT(Tick(), ElementsAre(action::SendHeartbeat{2, {kTask}}));  // the coordinator waits for its end
-  EXPECT_EQ(Count<action::DropResult>(Handle(event::TaskEnded{kTask})), 1);
+  EXPECT_THAT(Handle(event::TaskEnded{kTask}), ElementsAre(action::ReportTask{kTask}, action::SendAsk{2, {}}));
 }
 
 TEST_F(LifecycleTest, IgnoresTheRevocationOfAnotherLease) {
@@ -406,7 +409,7 @@ TEST_F(LifecycleOfThreeTest, StopsTheRevokedTaskAlone) {
   EXPECT_THAT(Handle(event::Revoked{LeaseId(2)}), ElementsAre(action::StopTask{LeaseId(2), "revoked"}));
   EXPECT_EQ(Only<action::ReportTask>(Handle(event::TaskEnded{LeaseId(1)})).lease, LeaseId(1));
   const Actions actions = Handle(event::TaskEnded{LeaseId(2)});
-  EXPECT_EQ(Count<action::DropResult>(actions), 1);
+  EXPECT_EQ(Only<action::ReportTask>(actions).lease, LeaseId(2)) << "its end is waited for";
   EXPECT_THAT(Only<action::SendAsk>(actions).running, ElementsAre(LeaseId(3)));
 }
 
@@ -426,7 +429,7 @@ TEST_F(LifecycleOfThreeTest, EachLeaseHasItsOwnTime) {
   (void)Handle(event::Granted{LeaseId(9), 4});
   Pass(kLease / 2);
   (void)Handle(event::HeartbeatAcked{second, {LeaseId(1)}});  // renews 2, not 9
-  EXPECT_EQ(Count<action::DropResult>(Handle(event::TaskEnded{LeaseId(1)})), 1);
+  EXPECT_EQ(Count<action::ReportTask>(Handle(event::TaskEnded{LeaseId(1)})), 1);
   Pass(kLease / 2);
   const Actions due = Tick();
   EXPECT_EQ(Count<action::StopTask>(due), 2);  // both: 2 was renewed by a beat of a lease ago, 9 by an ask as old
