@@ -216,6 +216,7 @@ void SimulatedFarm::CheckAttemptsOf(const v1::JobStatus& job, bool last) {
       if (!attempt.duplicate() && (outcome == v1::ATTEMPT_OUTCOME_FAILED || outcome == v1::ATTEMPT_OUTCOME_EXPIRED ||
                                    outcome == v1::ATTEMPT_OUTCOME_WORKER_LOST))
         ++failures[task];
+      if (task.kind == TaskKind::kPrepare) cleaned_up_.erase(job.job_id());  // a new run of it
       if (outcome != v1::ATTEMPT_OUTCOME_DONE) continue;
       if (task.kind == TaskKind::kCleanup) cleaned_up_.insert(job.job_id());
       if (task.kind != TaskKind::kCommit && task.kind != TaskKind::kManifest) continue;

@@ -146,6 +146,9 @@ void SimulatedFarm::Deliver() {
       ++granted_;
       const LeaseId lease(message.envelope.grant_task().lease_id());
       if (coordinator_->scheduler().IsDuplicate(lease)) duplicates_.insert(lease);
+      // It may fail in the chaos, and its job end soon after.
+      const v1::TaskId& task = message.envelope.grant_task().task().id();
+      if (!calm_ && task.kind() == v1::TASK_KIND_CLEANUP) ended_in_chaos_.insert(task.job_id());
     }
     const std::string payload = SerializeEnvelope(std::move(message.envelope));
     const std::string host = HostOf(message.peer);

@@ -116,8 +116,8 @@ class SimulatedFarm {
   using JobAndFrame = std::pair<std::uint64_t, int>;
   std::set<JobAndFrame> remembered_;        // frames that the journal had when the coordinator began
   std::set<JobAndFrame> written_;           // that the life before must have written
-  std::set<std::uint64_t> ended_in_chaos_;  // jobs
-  std::set<std::uint64_t> cleaned_up_;      // jobs whose Cleanup was done
+  std::set<std::uint64_t> ended_in_chaos_;  // jobs; with those whose Cleanup was begun there
+  std::set<std::uint64_t> cleaned_up_;      // jobs whose Cleanup was done in their newest run
   std::vector<std::string> problems_;
   std::uint64_t trace_ = 0;
   Tally tally_;
