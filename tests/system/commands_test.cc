@@ -105,6 +105,12 @@ TEST(Commands, ThoseOfPixelsSpeakOfTheProgramThatWasCalled) {
   EXPECT_THAT(failed.output, AllOf(HasSubstr("depthfarm: "), Not(HasSubstr("depthfarm-media"))));
 }
 
+TEST(Commands, ExportSaysWhereItTakesTheSequence) {
+  const Outcome refused = Depthfarm({"export", "ply", "sequence.json", "depth", "-o", "points"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.output, AllOf(HasSubstr("depth"), HasSubstr("--sequence SEQUENCE")));
+}
+
 TEST(Commands, VerifyFindsWhatIsNotAsTheJobLeftIt) {
   const TemporaryFolder folder;
   const std::string sequence = RenderScene(folder.path() / "scene");

@@ -374,6 +374,12 @@ int Run(int argc, char** argv) {
   for (const Command& command : kCommands) command.add(app.add_subcommand(command.name, command.summary), &action);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::ExtrasError& error) {
+    (void)app.exit(error);
+    // The other commands have the sequence before the depth.
+    if (app.got_subcommand("export"))
+      std::cerr << "export takes FORMAT and DEPTH_DIR alone; the sequence, which ply needs, is --sequence SEQUENCE.\n";
+    return kExitBadUsage;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitOk : kExitBadUsage;
   }
