@@ -27,7 +27,10 @@ JobProgress::JobProgress(PlannedJob job, const ArtifactDirectory& directory, int
   prepare_was_granted_ = ran_before;  // its folder may need a Cleanup
   table_.Add(plan_.OfJob(TaskKind::kPrepare));
   Queue(plan_.OfJob(TaskKind::kPrepare));
-  if (frames_done_ == plan_.resolved().num_frames) AddManifest();
+  if (frames_done_ == plan_.resolved().num_frames) {
+    AddManifest();
+    OpenNextGop();  // counts the tasks of all GOPs, whose turn may not come before the end
+  }
   Settle();
 }
 

@@ -242,6 +242,31 @@ TEST_P(ResumedKept, WhatNobodyAnnouncesIsMadeAgain) {
   for (const StageSnapshot& stage : after.ended.at(JobId(1)).stages) EXPECT_EQ(stage.tasks_done, stage.tasks_total);
 }
 
+// A job of higher priority has as many tasks ready as all slots want, so that the turn of its GOPs does not come.
+TEST(ResumedWithAllFrames, AJobBehindOthersCountsTheTasksThatItDidBefore) {
+  const PlannedJob job = MakePlannedJob({.frames = 5, .gop = 1, .views = 2});
+  FakeFarm before;
+  before.Submit(job);
+  before.JoinAndAsk();
+  before.RunToTheEnd();
+  const CommittedFrames committed = before.committed.at(JobId(1));
+  ASSERT_EQ(committed.size(), 5U);
+
+  FakeFarm after({.ready_per_slot = 1});
+  after.Submit(MakePlannedJob({.id = 2, .frames = 20, .gop = 1, .views = 4}), 1, {"ssd"});
+  const WorkerId rival = after.Join();
+  after.At(rival).tags = {"ssd"};
+  after.Rejoin(rival);
+  after.Ask(rival);
+  const WorkerId worker = after.Join();
+  after.Resume(job, committed);
+  after.Ask(worker);
+  while (!after.IsIdle(worker)) after.Finish(worker);
+  ASSERT_TRUE(after.ended.contains(JobId(1)));
+  EXPECT_EQ(after.ended.at(JobId(1)).state, JobState::kDone);
+  for (const StageSnapshot& stage : after.ended.at(JobId(1)).stages) EXPECT_EQ(stage.tasks_done, stage.tasks_total);
+}
+
 // Whichever it is: one that refers to the I frame of the first GOP finds its tasks gone.
 TEST(KeptResultsOfAJob, OneThatIsLostBeforeTheyAreConfirmedIsMadeAgain) {
   const PlannedJob job = MakePlannedJob(
