@@ -47,6 +47,8 @@ void SimulatedFarm::OnBegun(const SimulatedWorker& worker, LeaseId lease, const 
   // That a lease is one worker's rests on the order that a connection keeps (PROTOCOL.md, 4).
   if (options_.faults.network.reorders) return;
   for (const auto& other : workers_) {
+    if (const auto task = other->WorksFor(spec.id.job, lease); task && spec.id.kind == TaskKind::kCleanup)
+      Problem(TaskName(spec.id) + " is begun while " + other->name() + " has " + TaskName(*task));
     const std::optional<LeaseId> believed = other->BelievesIn(spec.id, lease);
     if (!believed) continue;
     // One is the duplicate of the other, which a task has one of.

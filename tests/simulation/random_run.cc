@@ -33,7 +33,7 @@ Wish AnyWish(test::Random& random, bool patient) {
   if (wish.kind.sequence != "line") wish.kind.pictures = wish.kind.sequence;  // nobody else has made anything of them
   wish.priority = random.Int(0, 1);
   if (random.Chance(25)) wish.tags = {"ssd"};
-  if (random.Chance(20)) wish.cancel_after = Milliseconds(random.Int(0, 60'000));
+  if (random.Chance(35)) wish.cancel_after = Milliseconds(random.Int(0, random.Chance(50) ? 10'000 : 60'000));
   wish.retries = random.Chance(50);
   return wish;
 }

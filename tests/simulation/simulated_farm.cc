@@ -32,11 +32,14 @@ SimulatedFarm::SimulatedFarm(std::uint64_t seed, const Options& options)
               .send =
                   [this](const std::string& host, const std::string& peer, std::string payload) {
                     Trace(kCoordinator, payload);
-                    network_.Send(host, kCoordinator, [this, host, peer, payload = std::move(payload)] {
-                      // What waits in a socket goes through the connection that is there then.
-                      const auto worker = std::ranges::find(workers_, host, [](const auto& w) { return w->name(); });
-                      ToCoordinator(random_.Chance(50) ? (*worker)->peer() : peer, payload);
-                    });
+                    const auto named = std::ranges::find(workers_, host, [](const auto& w) { return w->name(); });
+                    const SimulatedWorker* const worker = named->get();
+                    network_.Send(host, kCoordinator,
+                                  [this, worker, life = worker->life(), peer, payload = std::move(payload)] {
+                                    // What waits in a socket goes through the connection that the process has then.
+                                    const bool waited = random_.Chance(50) && worker->life() == life;
+                                    ToCoordinator(waited ? worker->peer() : peer, payload);
+                                  });
                   },
               .send_beside =
                   [this](const std::string& host, std::string payload) {

@@ -258,4 +258,13 @@ std::optional<LeaseId> SimulatedWorker::BelievesIn(const TaskId& task, LeaseId l
   return other == tasks_.end() ? std::nullopt : std::optional(other->lease);
 }
 
+std::optional<TaskId> SimulatedWorker::WorksFor(JobId job, LeaseId lease) const {
+  if (!alive() || hung()) return std::nullopt;
+  const auto task = std::ranges::find_if(tasks_, [&](const Running& running) {
+    return running.spec.id.job == job && !running.stopping && running.lease != lease &&
+           running.lease.value() / kLeasesOfCoordinator == lease.value() / kLeasesOfCoordinator;
+  });
+  return task == tasks_.end() ? std::nullopt : std::optional(task->spec.id);
+}
+
 }  // namespace depthfarm::simulation

@@ -88,9 +88,12 @@ class SimulatedWorker {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::string& peer() const { return peer_; }
   [[nodiscard]] bool alive() const { return lifecycle_ != nullptr; }
+  [[nodiscard]] int life() const { return life_; }  // grows with each end and start of the process
   [[nodiscard]] bool hung() const { return hung_until_.has_value(); }
   // The lease, other than this one and of the coordinator that granted it, under which it believes to have the task.
   [[nodiscard]] std::optional<LeaseId> BelievesIn(const TaskId& task, LeaseId lease) const;
+  // A task of the job that it believes to have from the coordinator that granted the lease, other than that lease's.
+  [[nodiscard]] std::optional<TaskId> WorksFor(JobId job, LeaseId lease) const;
   // What its artifact server sends; nothing when it can't.
   [[nodiscard]] std::optional<ContentDigest> Serve(const ArtifactKey& key) const;
   [[nodiscard]] std::string endpoint() const;
