@@ -24,7 +24,7 @@ struct FakeWorker {
   std::set<std::string> tags;
   std::uint32_t algorithm_version = kAlgorithmVersion;
 
-  [[nodiscard]] bool HasRoom() const { return running.size() < static_cast<std::size_t>(slots + ahead); }
+  [[nodiscard]] bool HasRoom() const { return static_cast<int>(running.size()) < slots + ahead; }
 };
 
 // A farm in memory on a virtual clock: carries out the scheduler's actions and keeps what they were.
