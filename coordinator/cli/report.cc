@@ -64,9 +64,10 @@ std::string OutputText(const v1::JobStatus& job) {
 }
 
 // The task that the job failed with, and how.
-std::string FailedTaskText(const v1::JobStatus& job) {
+std::string FailedTaskText(const v1::JobStatus& job, BegunAnewBy anew) {
   if (!job.has_failed_task()) return {};
-  std::string text = "  quarantined: " + NameWithinJob(job.failed_task()) + "; retry begins it anew\n";
+  const char* const by = anew == BegunAnewBy::kRetry ? "retry" : "the same command";
+  std::string text = "  quarantined: " + NameWithinJob(job.failed_task()) + "; " + by + " begins it anew\n";
   for (v1::TaskAttempt attempt : job.failed_attempts()) {
     // The job's reason is mostly that of its last attempt, after the name of the task: once is enough.
     if (job.error().message().ends_with(attempt.error().message())) attempt.clear_error();
@@ -220,7 +221,7 @@ OrderedJson WorkerToJson(const v1::WorkerStatus& worker) {
           {"artifactBytes", worker.artifact_bytes()}};
 }
 
-std::string FormatJob(const v1::JobStatus& job) {
+std::string FormatJob(const v1::JobStatus& job, BegunAnewBy anew) {
   std::string text = "job " + std::to_string(job.job_id()) + " '" + job.name() + "': " + JobStateName(job.state());
   text += ", " + FormatProgress(job) + "\n";
   if (job.has_error() && job.error().code() != v1::CODE_OK) text += "  reason: " + job.error().message() + "\n";
@@ -228,7 +229,7 @@ std::string FormatJob(const v1::JobStatus& job) {
   text += "  output: " + OutputText(job) + "\n";
   text += ReusedText(job) + LeftAsideText(job);
   if (job.retries() > 0) text += "  retries: " + std::to_string(job.retries()) + "\n";
-  text += DuplicatesText(job) + FailedTaskText(job);
+  text += DuplicatesText(job) + FailedTaskText(job, anew);
   if (job.determinism_violations() > 0) {
     text += "  DETERMINISM VIOLATIONS: " + std::to_string(job.determinism_violations()) +
             ": a task done twice gave different results; one of the hosts computes wrongly\n";

@@ -20,8 +20,11 @@ namespace depthfarm {
 [[nodiscard]] nlohmann::ordered_json JobToJson(const v1::JobStatus& job);
 [[nodiscard]] nlohmann::ordered_json WorkerToJson(const v1::WorkerStatus& worker);
 
+// What begins a job that failed anew: `depthfarm retry` on a farm that knows it and its pictures; else what was typed.
+enum class BegunAnewBy { kRetry, kSameCommand };
+
 // State, size and stages of one job.
-[[nodiscard]] std::string FormatJob(const v1::JobStatus& job);
+[[nodiscard]] std::string FormatJob(const v1::JobStatus& job, BegunAnewBy anew = BegunAnewBy::kRetry);
 // One line per job.
 [[nodiscard]] std::string FormatJobs(const std::vector<v1::JobStatus>& jobs);
 // One line per worker.

@@ -96,7 +96,8 @@ int Execute(const RunArguments& arguments) {
   if (arguments.json) {
     std::cout << run.dump(2) << "\n";
   } else {
-    std::cout << FormatJob(job->status) << "  wall time: " << FormatDuration(job->wall_seconds) << "\n";
+    std::cout << FormatJob(job->status, BegunAnewBy::kSameCommand)
+              << "  wall time: " << FormatDuration(job->wall_seconds) << "\n";
   }
   if (job->status.state() != v1::JOB_STATE_DONE) {
     std::cerr << "depthfarm: " << job->status.error().message() << "\n" << job->log_tails;

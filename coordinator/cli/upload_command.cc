@@ -68,7 +68,7 @@ class UploadedJob {
       if (fetch_) json["fetch"] = FetchToJson(*fetch_, job_id_, arguments_.job.output_dir);
       std::cout << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
     } else {
-      std::cout << FormatJob(status_);
+      std::cout << FormatJob(status_, BegunAnewBy::kSameCommand);
       if (fetch_) std::cout << FormatFetch(*fetch_, job_id_, arguments_.job.output_dir);
     }
     const int code = ExitCodeOfJob(status_);

@@ -84,7 +84,8 @@ TEST_F(DeadlyPicture, HasALocalRunTellTheLastWordsOfItsWorkers) {
   const Words command = Preload() + run + job_;
   const Outcome outcome = RunProgram(command.front(), Words(command.begin() + 1, command.end()));
   EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr(std::string("quarantined: ") + kDeadlyTask));
+  EXPECT_THAT(outcome.output,
+              HasSubstr(std::string("quarantined: ") + kDeadlyTask + "; the same command begins it anew\n"));
   EXPECT_THAT(outcome.output, HasSubstr(std::string("; its last words: ") + kWords));
   EXPECT_THAT(outcome.output, HasSubstr(std::string("    | ") + kWords));
 }

@@ -104,6 +104,7 @@ TEST(FormatJob, NamesTheTaskThatFailedItAndHow) {
                                         "    attempt 2 on w7, 3.0 s: worker lost\n"
                                         "    reason: w7: the worker was lost\n"
                                         "    | warning low_memory\n"));
+  EXPECT_THAT(FormatJob(job, BegunAnewBy::kSameCommand), HasSubstr("block 0; the same command begins it anew\n"));
   const nlohmann::ordered_json json = JobToJson(job);
   EXPECT_EQ(json["failedTask"], "frame 1 estimate block 0");
   EXPECT_EQ(json["failedAttempts"][0]["worker"], "w7");
